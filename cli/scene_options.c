@@ -1,0 +1,177 @@
+#include "scene_options.h"
+
+#include <airlight/render.h>
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const unit_names[] = {"auto", "radiometric", "photometric", NULL};
+
+static const cli_option scene_options[] = {
+    {.name = "with",
+     .kind = CLI_LIST,
+     .value = "FILE",
+     .offset = offsetof(cli_scene_options, with),
+     .help = "Add what this JSON file says (media, lights, a camera), as in NAME.airlight.json "
+             "beside the scene, which is always read. Repeatable."},
+    {.name = "medium",
+     .kind = CLI_LIST,
+     .value = "SPEC",
+     .offset = offsetof(cli_scene_options, media),
+     .help = "Add a medium, such as visibility=50m or box=-2,0,-2:2,3,2,sigma_s=0.2,g=0.3. "
+             "Repeatable."},
+    {.name = "environment",
+     .kind = CLI_TEXT,
+     .value = "FILE|constant=R,G,B",
+     .offset = offsetof(cli_scene_options, environment),
+     .help = "Light from all around: a lat-long .hdr or .exr, or one radiance."},
+    {.name = "light-units",
+     .kind = CLI_CHOICE,
+     .value = "UNITS",
+     .choices = unit_names,
+     .offset = offsetof(cli_scene_options, light_units),
+     .help = "What the file's punctual lights are given in: auto, radiometric or photometric; "
+             "default auto, photometric as glTF says."},
+    {.name = "emissive-units",
+     .kind = CLI_CHOICE,
+     .value = "UNITS",
+     .choices = unit_names,
+     .offset = offsetof(cli_scene_options, emissive_units),
+     .help = "Likewise for emissive materials; auto is photometric, radiometric for files Blender "
+             "exported."},
+    {.name = "scene-index",
+     .kind = CLI_COUNT,
+     .value = "N",
+     .min = 0,
+     .max = 1e6,
+     .offset = offsetof(cli_scene_options, scene_index),
+     .help = "Which scene of a glTF file that holds several; default: the one the file names."},
+};
+
+cli_option_group cli_scene_group(cli_scene_options *options)
+{
+    return (cli_option_group){"Scene", scene_options,
+                              sizeof scene_options / sizeof scene_options[0], options};
+}
+
+static cli_exit describe(cli_host *host, const air_snapshot *snapshot, json_t **out_description)
+{
+    size_t size = 0;
+    json_error_t error;
+    air_status status = air_snapshot_describe(snapshot, NULL, &size);
+    if (status != AIR_OK) {
+        return cli_host_exit(host, status, "describing the scene");
+    }
+    char *const text = malloc(size);
+    if (text == NULL) {
+        return cli_host_exit(host, AIR_ERROR_MEMORY, "describing the scene");
+    }
+    status = air_snapshot_describe(snapshot, text, &size);
+    json_t *const description = status == AIR_OK ? json_loads(text, 0, &error) : NULL;
+    free(text);
+    if (description == NULL) {
+        return cli_host_exit(host, status == AIR_OK ? AIR_ERROR_INTERNAL : status,
+                             "describing the scene");
+    }
+    *out_description = description;
+    return CLI_OK;
+}
+
+static cli_exit load(cli_host *host, const char *path, const cli_scene_options *options,
+                     air_snapshot **out_snapshot)
+{
+    air_load_params params;
+    air_scene *scene = NULL;
+    air_load_params_default(&params);
+    params.with = options->with.items;
+    params.with_count = options->with.count;
+    params.media = options->media.items;
+    params.media_count = options->media.count;
+    params.environment = options->environment;
+    params.light_units = (air_units)options->light_units.value;
+    params.emissive_units = (air_units)options->emissive_units.value;
+    if (options->scene_index.set) {
+        params.scene_index = (int32_t)options->scene_index.value;
+    }
+    air_status status = air_scene_load(host->context, path, &params, &scene);
+    if (status == AIR_OK) {
+        status = air_scene_commit(scene, out_snapshot, NULL);
+    }
+    air_scene_destroy(scene);
+    return cli_host_exit(host, status, path);
+}
+
+cli_exit cli_scene_open(cli_host *host, const char *path, const cli_scene_options *options,
+                        air_snapshot **out_snapshot, json_t **out_description)
+{
+    air_snapshot *snapshot = NULL;
+    cli_exit result = load(host, path, options, &snapshot);
+    if (result == CLI_OK) {
+        result = describe(host, snapshot, out_description);
+    }
+    if (result != CLI_OK) {
+        air_snapshot_release(snapshot);
+        return result;
+    }
+    *out_snapshot = snapshot;
+    return CLI_OK;
+}
+
+/* ---- cameras ---- */
+
+static cli_camera read_camera(const json_t *entry)
+{
+    const json_t *const aspect = json_object_get(entry, "aspect");
+    const char *const name = json_string_value(json_object_get(entry, "name"));
+    return (cli_camera){
+        .handle = (air_handle)json_integer_value(json_object_get(entry, "handle")),
+        .name = name != NULL ? name : "",
+        .aspect = json_number_value(aspect) > 0.0 ? json_number_value(aspect) : 4.0 / 3.0,
+    };
+}
+
+/* Says which cameras there are. */
+static cli_exit camera_unknown(cli_host *host, const json_t *cameras, const char *wanted)
+{
+    char list[512] = "";
+    size_t index, used = 0;
+    const json_t *entry;
+    json_array_foreach(cameras, index, entry)
+    {
+        const cli_camera camera = read_camera(entry);
+        if (used < sizeof list) {
+            used += (size_t)snprintf(list + used, sizeof list - used, "%s%zu \"%s\"",
+                                     index == 0 ? "" : ", ", index, camera.name);
+        }
+    }
+    cli_say(&host->progress, AIR_MESSAGE_ERROR,
+            "--camera: expected a name or an index of %s, got \"%s\"", list, wanted);
+    return CLI_FAILED;
+}
+
+cli_exit cli_scene_camera(cli_host *host, const json_t *description, const char *wanted,
+                          cli_camera *out_camera)
+{
+    const json_t *const cameras = json_object_get(description, "cameras");
+    size_t index;
+    const json_t *entry;
+    json_array_foreach(cameras, index, entry)
+    {
+        const cli_camera camera = read_camera(entry);
+        if (wanted == NULL || strcmp(camera.name, wanted) == 0) {
+            *out_camera = camera;
+            return CLI_OK;
+        }
+    }
+    if (wanted != NULL && isdigit((unsigned char)wanted[0])) {
+        char *end;
+        const unsigned long long number = strtoull(wanted, &end, 10);
+        entry = number < json_array_size(cameras) ? json_array_get(cameras, (size_t)number) : NULL;
+        if (*end == '\0' && entry != NULL) {
+            *out_camera = read_camera(entry);
+            return CLI_OK;
+        }
+    }
+    return camera_unknown(host, cameras, wanted != NULL ? wanted : "");
+}

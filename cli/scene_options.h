@@ -1,0 +1,35 @@
+/* scene_options.h: the options that say what belongs to a scene, and loading it. */
+#ifndef AIR_CLI_SCENE_OPTIONS_H
+#define AIR_CLI_SCENE_OPTIONS_H
+
+#include <airlight/scene.h>
+#include <jansson.h>
+
+#include "host.h"
+
+typedef struct cli_scene_options {
+    cli_list with, media;
+    const char *environment;
+    cli_count light_units, emissive_units, scene_index;
+} cli_scene_options;
+
+/* A camera as the description of a scene lists it. The strings belong to that description. */
+typedef struct cli_camera {
+    air_handle handle;
+    const char *name;
+    double aspect; /* width / height */
+} cli_camera;
+
+cli_option_group cli_scene_group(cli_scene_options *options);
+
+/* Loads and freezes a scene, and parses its description (air_snapshot_describe). On failure the
+ * outputs stay as they are, and what is wrong has been printed. */
+cli_exit cli_scene_open(cli_host *host, const char *path, const cli_scene_options *options,
+                        air_snapshot **out_snapshot, json_t **out_description);
+
+/* The camera of this name, or of this index as `airlight info` counts them; wanted NULL: the first.
+ */
+cli_exit cli_scene_camera(cli_host *host, const json_t *description, const char *wanted,
+                          cli_camera *out_camera);
+
+#endif

@@ -1,0 +1,109 @@
+/* connect.c: rays against the scene: shadow rays, and nearest hits past transparent surfaces. */
+#include "path/tracking.h"
+#include "path/vertex.h"
+
+/* Moves a ray's start just behind a hit; at most so many transparent surfaces are passed. */
+enum { MAX_LAYERS = 64 };
+
+static void step_behind(air_ray *ray, float t)
+{
+    ray->tmin = t + fmaxf(t * 1e-5f, 1e-6f);
+}
+
+/* The product of 1 - alpha over the MASK and BLEND surfaces in the way. */
+static float alpha_transmittance(const air_path *path, const air_ray *shadow_ray)
+{
+    air_ray ray = *shadow_ray;
+    float product = 1.0f;
+    ray.mask = AIR_MASK_SHADOW_ALPHA;
+    for (int layer = 0; layer < MAX_LAYERS && product > 0.0f; layer++) {
+        air_hit hit;
+        path->rays->intersect(path->snapshot->accelerator, &ray, 1, &hit);
+        if (hit.mesh == (uint32_t)AIR_NO_HIT) {
+            break;
+        }
+        product *= 1.0f - air_surface_alpha(path->snapshot, &hit);
+        step_behind(&ray, hit.t);
+    }
+    return product;
+}
+
+static air_vec3 tracked_transmittance(const air_path *path, air_path_scratch *scratch,
+                                      const air_path_lane *lane, const air_ray *ray,
+                                      uint32_t stream)
+{
+    air_rng rng = air_sampler_rng(&lane->sampler, stream);
+    air_ray_media_make(&scratch->media, &path->snapshot->media, vec3_load(ray->origin),
+                       vec3_load(ray->dir), ray->tmax);
+    return air_track_transmittance(&scratch->media, fminf(ray->tmax, AIR_FAR), &rng);
+}
+
+void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes)
+{
+    const air_snapshot *snapshot = path->snapshot;
+    const size_t count = scratch->shadow_count;
+    scratch->shadow_count = 0;
+    for (size_t i = 0; i < count; i++) {
+        scratch->occluded[i] = 0;
+    }
+    if (snapshot->accelerator != NULL && count > 0) {
+        path->rays->occluded(snapshot->accelerator, scratch->shadow_rays, count, scratch->occluded);
+    }
+    for (size_t i = 0; i < count; i++) {
+        const path_shadow *shadow = &scratch->shadows[i];
+        const air_ray *ray = &scratch->shadow_rays[i];
+        air_vec3 value = shadow->value;
+        if (scratch->occluded[i]) {
+            continue;
+        }
+        if (snapshot->has_alpha && ray->mask != 0) {
+            value = vec3_scale(value, alpha_transmittance(path, ray));
+        }
+        if (shadow->tracked && !vec3_is_zero(value)) {
+            value = vec3_mul(value, tracked_transmittance(path, scratch, &lanes[shadow->lane], ray,
+                                                          shadow->stream));
+        }
+        air_vec3 *sum = &lanes[shadow->lane].terms[shadow->term];
+        *sum = vec3_add(*sum, value);
+    }
+}
+
+/* Is the surface there for this ray? BLEND decides by chance. */
+static bool stops(const air_path *path, const air_hit *hit, air_rng *rng)
+{
+    const float alpha = air_surface_alpha(path->snapshot, hit);
+    return alpha >= 1.0f || (alpha > 0.0f && air_rng_float(rng) < alpha);
+}
+
+static void pass_transparent(const air_path *path, air_ray *ray, air_hit *hit,
+                             const air_sampler *sampler, uint32_t stream)
+{
+    air_rng rng = air_sampler_rng(sampler, stream);
+    for (int layer = 0; layer < MAX_LAYERS && hit->mesh != (uint32_t)AIR_NO_HIT; layer++) {
+        const air_mesh *mesh = path->snapshot->meshes[hit->mesh];
+        if (path->snapshot->materials[mesh->material].alpha_mode == AIR_ALPHA_OPAQUE ||
+            stops(path, hit, &rng)) {
+            return;
+        }
+        step_behind(ray, hit->t);
+        path->rays->intersect(path->snapshot->accelerator, ray, 1, hit);
+    }
+}
+
+void path_intersect(const air_path *path, air_path_scratch *scratch, const air_path_lane *lanes,
+                    size_t count)
+{
+    const air_snapshot *snapshot = path->snapshot;
+    if (snapshot->accelerator == NULL) {
+        for (size_t i = 0; i < count; i++) {
+            scratch->hits[i].mesh = (uint32_t)AIR_NO_HIT;
+        }
+        return;
+    }
+    path->rays->intersect(snapshot->accelerator, scratch->rays, count, scratch->hits);
+    for (size_t i = 0; snapshot->has_alpha && i < count; i++) {
+        const path_walk *walk = &scratch->walks[i];
+        pass_transparent(path, &scratch->rays[i], &scratch->hits[i], &lanes[walk->lane].sampler,
+                         0x10000u + walk->depth * 2 + walk->branch);
+    }
+}

@@ -1,0 +1,132 @@
+#include "path/distance.h"
+
+#include "core/exponential.h"
+
+/* Share of the samples that are equi-angular where a light offers a point. */
+#define EQUIANGULAR_SHARE 0.5f
+
+/* Normalised throughput: the probabilities of the three channels. */
+static air_vec3 channel_shares(const air_ray_media *ray, air_vec3 throughput)
+{
+    if (ray->grey) {
+        return vec3(1.0f, 0.0f, 0.0f);
+    }
+    const air_vec3 positive = vec3(ray->depth.x > 0.0f ? throughput.x : 0.0f,
+                                   ray->depth.y > 0.0f ? throughput.y : 0.0f,
+                                   ray->depth.z > 0.0f ? throughput.z : 0.0f);
+    const float sum = positive.x + positive.y + positive.z;
+    if (!(sum > 0.0f)) {
+        return vec3_set1(1.0f / 3.0f);
+    }
+    return vec3_scale(positive, 1.0f / sum);
+}
+
+float air_distance_event_probability(const air_ray_media *ray, air_vec3 throughput)
+{
+    return ray->grey ? ray->loss.x : vec3_dot(channel_shares(ray, throughput), ray->loss);
+}
+
+/* The equi-angular variable over the stretch of the ray that holds media. */
+typedef struct equiangular {
+    float delta, distance; /* foot of the light on the ray, distance from it */
+    float theta_a, theta_b;
+} equiangular;
+
+static bool equiangular_make(const air_ray_media *ray, air_vec3 light, equiangular *out)
+{
+    const air_vec3 to_light = vec3_sub(light, ray->origin);
+    out->delta = vec3_dot(to_light, ray->dir);
+    out->distance = vec3_length(vec3_madd(to_light, -out->delta, ray->dir));
+    if (!(out->distance > 1e-6f * (fabsf(out->delta) + 1e-6f))) {
+        return false;
+    }
+    out->theta_a = atan2f(ray->segments[0].t0 - out->delta, out->distance);
+    out->theta_b = atan2f(ray->segments[ray->count - 1].t1 - out->delta, out->distance);
+    return out->theta_b > out->theta_a;
+}
+
+static float equiangular_pdf(const equiangular *e, float t)
+{
+    const float x = t - e->delta;
+    return e->distance / ((e->theta_b - e->theta_a) * (e->distance * e->distance + x * x));
+}
+
+/* Density by extinction; also gives the transmittance to t. */
+static float extinction_pdf(const air_ray_media *ray, air_vec3 shares, size_t segment, float t,
+                            air_vec3 *transmittance)
+{
+    const air_ray_segment *s = &ray->segments[segment];
+    const air_vec3 sigma_t = air_ray_media_coefficients(ray, s, t).sigma_t;
+    const air_vec3 depth = air_ray_media_segment_depth(ray, s, t);
+    if (ray->grey) {
+        *transmittance = vec3_set1(air_exp(-depth.x));
+        return sigma_t.x * transmittance->x / ray->loss.x;
+    }
+    *transmittance = vec3(air_exp(-depth.x), air_exp(-depth.y), air_exp(-depth.z));
+    float pdf = 0.0f;
+    for (int c = 0; c < 3; c++) {
+        if (air_channel(shares, c) > 0.0f) {
+            pdf += air_channel(shares, c) * air_channel(sigma_t, c) *
+                   air_channel(*transmittance, c) / air_channel(ray->loss, c);
+        }
+    }
+    return pdf;
+}
+
+static float sample_extinction(const air_ray_media *ray, air_vec3 shares, float u, size_t *segment)
+{
+    int channel = 0;
+    if (!ray->grey) {
+        while (channel < 2 && u >= air_channel(shares, channel)) {
+            u -= air_channel(shares, channel);
+            channel++;
+        }
+        u = float_min(u / float_max(air_channel(shares, channel), 1e-20f), 1.0f - 0x1p-24f);
+    }
+    const float depth = air_neg_log1m(u * air_channel(ray->loss, channel));
+    return air_ray_media_invert(ray, channel, depth, segment);
+}
+
+bool air_distance_sample(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light, float u,
+                         air_distance *out)
+{
+    const air_vec3 shares = channel_shares(ray, throughput);
+    equiangular e;
+    const bool two = light != NULL && equiangular_make(ray, *light, &e);
+    if (two && u < EQUIANGULAR_SHARE) {
+        const float theta = e.theta_a + (u / EQUIANGULAR_SHARE) * (e.theta_b - e.theta_a);
+        out->t = e.delta + e.distance * tanf(theta);
+        out->segment = air_ray_media_find(ray, out->t);
+        if (out->segment == ray->count) {
+            return false;
+        }
+    } else {
+        const float rest = two ? (u - EQUIANGULAR_SHARE) / (1.0f - EQUIANGULAR_SHARE) : u;
+        out->t = sample_extinction(ray, shares, rest, &out->segment);
+    }
+    air_vec3 transmittance;
+    float pdf = extinction_pdf(ray, shares, out->segment, out->t, &transmittance);
+    if (two) {
+        pdf = EQUIANGULAR_SHARE * equiangular_pdf(&e, out->t) + (1.0f - EQUIANGULAR_SHARE) * pdf;
+    }
+    if (!(pdf > 0.0f)) {
+        return false;
+    }
+    out->weight = vec3_scale(transmittance, 1.0f / pdf);
+    return true;
+}
+
+float air_distance_sample_pdf(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light,
+                              float t)
+{
+    const size_t segment = air_ray_media_find(ray, t);
+    equiangular e;
+    const bool two = light != NULL && equiangular_make(ray, *light, &e);
+    const float angular = two ? equiangular_pdf(&e, t) : 0.0f;
+    air_vec3 transmittance;
+    const float extinction =
+        segment == ray->count
+            ? 0.0f
+            : extinction_pdf(ray, channel_shares(ray, throughput), segment, t, &transmittance);
+    return two ? EQUIANGULAR_SHARE * angular + (1.0f - EQUIANGULAR_SHARE) * extinction : extinction;
+}

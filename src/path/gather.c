@@ -1,0 +1,192 @@
+/* gather.c: next-event estimation: one light per vertex, by power. */
+#include <float.h>
+
+#include "core/phase.h"
+#include "path/tracking.h"
+#include "path/vertex.h"
+
+void path_mixture_make(const air_path *path, const path_vertex *vertex, path_mixture *out)
+{
+    const air_media *media = &path->snapshot->media;
+    out->count = 0;
+    out->total = 0.0f;
+    for (uint64_t rest = vertex->at.medium.regions; rest != 0; rest &= rest - 1) {
+        const air_region *region = &media->regions[__builtin_ctzll(rest)];
+        const air_vec3 sigma_s =
+            region->constant ? region->sigma_s
+                             : air_medium_coefficients(&media->media[region->medium], region,
+                                                       vertex->at.medium.position)
+                                   .sigma_s;
+        const float share = vec3_dot(vertex->walk.beta, sigma_s);
+        if (share > 0.0f) {
+            out->parts[out->count].medium = region->medium;
+            out->parts[out->count].sigma_s = sigma_s;
+            out->parts[out->count].share = share;
+            out->total += share;
+            out->count++;
+        }
+    }
+    for (size_t i = 0; i < out->count; i++) {
+        out->parts[i].share /= out->total;
+    }
+}
+
+/* sigma_s times phase function of those media whose light is wanted. out_pdf (may be NULL): the density of sampling wi. */
+static air_vec3 mixture_eval(const air_path *path, const path_vertex *vertex,
+                             const path_mixture *mixture, air_vec3 wi, uint32_t light_owner,
+                             float *out_pdf)
+{
+    const path_walk *walk = &vertex->walk;
+    const float cosine = -vec3_dot(vertex->wo, wi);
+    air_vec3 sum = vec3_set1(0.0f);
+    float pdf = 0.0f;
+    for (size_t i = 0; i < mixture->count; i++) {
+        const uint32_t medium = mixture->parts[i].medium;
+        const float phase = phase_eval(path->snapshot->media.media[medium].phase, cosine);
+        const uint32_t first = walk->depth == 1 ? medium : walk->first_medium;
+        pdf += mixture->parts[i].share * phase;
+        if (path_wanted(path, light_owner, first, path_term(walk))) {
+            sum = vec3_madd(sum, phase, mixture->parts[i].sigma_s);
+        }
+    }
+    if (out_pdf != NULL) {
+        *out_pdf = pdf;
+    }
+    return sum;
+}
+
+/* f cos (surfaces) or sigma_s times phase (media) towards wi. */
+static air_vec3 scatter_eval(const air_path *path, const path_vertex *vertex,
+                             const path_mixture *mixture, air_vec3 wi, uint32_t light_owner,
+                             float *out_pdf)
+{
+    const path_walk *walk = &vertex->walk;
+    if (!vertex->on_surface) {
+        return mixture_eval(path, vertex, mixture, wi, light_owner, out_pdf);
+    }
+    if (!path_wanted(path, light_owner, walk->first_medium, path_term(walk))) {
+        return vec3_set1(0.0f);
+    }
+    const air_bsdf *bsdf = &vertex->at.surface.bsdf;
+    if (out_pdf != NULL) {
+        *out_pdf = air_bsdf_sample_pdf(bsdf, vertex->wo, wi);
+    }
+    return air_bsdf_eval(bsdf, vertex->wo, wi);
+}
+
+/* A light that a sampled direction can meet too. */
+static bool hittable(const air_light_table *lights, uint32_t entry)
+{
+    const air_light *light = &lights->entries[entry];
+    return light->kind == AIR_LIGHT_ENVIRONMENT ||
+           (light->kind == AIR_LIGHT_POLYGON &&
+            (light->camera_visible || entry >= lights->explicit_count));
+}
+
+/* Multiplies value by the transmittance towards the light, in closed form if possible; says whether it was. */
+static bool attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
+                      air_vec3 *value)
+{
+    if (path->snapshot->media.region_count == 0) {
+        return true;
+    }
+    air_ray_media *media = &scratch->media;
+    air_ray_media_make(media, &path->snapshot->media, vec3_load(ray->origin), vec3_load(ray->dir),
+                       ray->tmax);
+    if (!media->closed) {
+        return false;
+    }
+    *value = vec3_mul(*value, media->transmittance);
+    return true;
+}
+
+static air_ray shadow_ray(const path_vertex *vertex, const air_connection *connection,
+                          const air_light_point *light)
+{
+    air_ray ray;
+    const air_vec3 origin = vertex->on_surface
+                                ? air_surface_origin(&vertex->at.surface, connection->dir)
+                                : vertex->at.medium.position;
+    ray.tmin = 0.0f;
+    vec3_store(ray.origin, origin);
+    vec3_store(ray.dir, connection->dir);
+    /* Short of area lights by more than their own triangles' rounding. */
+    ray.tmax = isinf(connection->distance) ? FLT_MAX : connection->distance;
+    if (!light->delta && !light->infinite) {
+        ray.tmax *= 0.9999f;
+    }
+    ray.mask = AIR_MASK_SHADOW_OPAQUE;
+    return ray;
+}
+
+/* Lights without extent need no numbers for a point, and the first medium event has its own for the choice. */
+void path_draw_light(const air_path *path, const air_path_lane *lane, const path_walk *walk,
+                     air_light_point *out_point, float *out_probability)
+{
+    const air_light_table *lights = &path->snapshot->lights;
+    const bool first_in_medium = walk->depth == 1 && walk->branch == 1;
+    air_f32x4 u = {0.0f, 0.0f, 0.0f, 0.0f};
+    float rest;
+    if (path->extended_lights || (lights->count > 1 && !first_in_medium)) {
+        u = air_sampler_get(&lane->sampler, path_light_set(walk));
+    }
+    const float pick = first_in_medium ? lane->u_pick : u[1];
+    const uint32_t entry = air_light_pick(lights, pick, out_probability, &rest);
+    air_light_sample(lights, entry, u[2], u[3], out_point);
+}
+
+/* What the vertex gets through a connection if nothing is in between; combined with the chance of meeting the light by a
+ * sampled direction where there is one. */
+static air_vec3 connection_value(const air_path *path, const path_vertex *vertex,
+                                 const path_mixture *mixture, const air_light_point *light,
+                                 const air_connection *connection, float probability)
+{
+    const air_light_table *lights = &path->snapshot->lights;
+    const uint32_t owner = lights->entries[light->entry].owner;
+    const bool shared = !light->delta && hittable(lights, light->entry);
+    float pdf_dir = 0.0f;
+    const air_vec3 f =
+        scatter_eval(path, vertex, mixture, connection->dir, owner, shared ? &pdf_dir : NULL);
+    const float pdf = connection->pdf * probability + pdf_dir;
+    return vec3_scale(vec3_mul(vec3_mul(vertex->walk.beta, f), connection->incident), 1.0f / pdf);
+}
+
+void path_gather(const air_path *path, air_path_scratch *scratch, const air_path_lane *lanes,
+                 const path_vertex *vertex, const path_mixture *mixture)
+{
+    const air_light_table *lights = &path->snapshot->lights;
+    const path_walk *walk = &vertex->walk;
+    if (lights->count == 0) {
+        return;
+    }
+    air_light_point drawn;
+    const air_light_point *light = &drawn;
+    float probability = vertex->at.medium.light_probability;
+    air_vec3 position = vertex->at.medium.position;
+    if (vertex->on_surface) {
+        path_draw_light(path, &lanes[walk->lane], walk, &drawn, &probability);
+        position = vertex->at.surface.position;
+    } else {
+        light = &vertex->at.medium.light;
+    }
+    air_connection connection;
+    if (!air_light_connect(lights, light, position, &connection)) {
+        return;
+    }
+    path_shadow shadow = {
+        connection_value(path, vertex, mixture, light, &connection, probability), walk->lane,
+        (uint32_t)path_term(walk), path_direction_set(walk), false};
+    if (vec3_is_zero(shadow.value)) {
+        return;
+    }
+    air_ray ray = shadow_ray(vertex, &connection, light);
+    shadow.tracked = !attenuate(path, scratch, &ray, &shadow.value);
+    if (vec3_is_zero(shadow.value)) {
+        return;
+    }
+    if (!lights->entries[light->entry].casts_shadow) {
+        ray.mask = 0;
+    }
+    scratch->shadows[scratch->shadow_count] = shadow;
+    scratch->shadow_rays[scratch->shadow_count++] = ray;
+}

@@ -1,0 +1,529 @@
+/* path.c: the walk: camera rays, what they see, where they scatter, where they go on. */
+#include "path/path.h"
+
+#include <float.h>
+
+#include "path/distance.h"
+#include "core/phase.h"
+#include "path/tracking.h"
+#include "path/vertex.h"
+
+size_t air_path_scratch_size(void) { return sizeof(air_path_scratch); }
+
+static bool any_emission(const air_snapshot *snapshot)
+{
+    for (size_t i = 0; i < snapshot->material_count; i++) {
+        if (!vec3_is_zero(snapshot->materials[i].emission)) {
+            return true;
+        }
+    }
+    return snapshot->lights.environment_count > 0 || snapshot->lights.visible_accelerator != NULL;
+}
+
+void air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol *sobol,
+                   const air_path_settings *settings)
+{
+    const uint32_t deep = (1u << AIR_TERM_S_PLUS) | (1u << AIR_TERM_M2);
+    path->snapshot = snapshot;
+    path->rays = air_context_ray_backend(snapshot->context);
+    path->sobol = sobol;
+    path->settings = *settings;
+    if ((settings->terms & deep) == 0 && settings->max_depth > 1) {
+        path->settings.max_depth = 1;
+    }
+    path->emissive_media = false;
+    for (size_t i = 0; i < snapshot->media.count; i++) {
+        path->emissive_media =
+            path->emissive_media || !vec3_is_zero(snapshot->media.media[i].emission);
+    }
+    path->extended_lights = snapshot->lights.count > snapshot->lights.explicit_count;
+    for (size_t i = 0; i < snapshot->lights.explicit_count; i++) {
+        const air_light_kind kind = snapshot->lights.entries[i].kind;
+        path->extended_lights = path->extended_lights || kind == AIR_LIGHT_POLYGON ||
+                                kind == AIR_LIGHT_ENVIRONMENT;
+    }
+    path->hittable_lights = path->emissive_media || any_emission(snapshot);
+}
+
+/* ---- emitters that a ray meets ---- */
+
+/* The share of the direct hit in the combination with next-event estimation. */
+static float hit_weight(const air_path *path, const path_walk *walk, uint32_t entry, float pdf_light)
+{
+    if (walk->pdf_dir == 0.0f) {
+        return 1.0f;
+    }
+    const float pdf = pdf_light * air_light_pick_probability(&path->snapshot->lights, entry);
+    return walk->pdf_dir / (walk->pdf_dir + pdf);
+}
+
+static void add(air_path_lane *lane, air_term term, air_vec3 value)
+{
+    lane->terms[term] = vec3_add(lane->terms[term], value);
+}
+
+/* Emission seen directly is a term of its own; after events it belongs to theirs. */
+static bool emission_term(const air_path *path, const path_walk *walk, uint32_t light_owner,
+                          air_term seen, air_term *out)
+{
+    *out = walk->depth == 0 ? seen : path_term(walk);
+    return walk->depth == 0 ? ((path->settings.terms >> seen) & 1u) != 0
+                            : path_wanted(path, light_owner, walk->first_medium, *out);
+}
+
+static void add_environments(const air_path *path, const path_walk *walk, const air_ray *ray,
+                             air_vec3 transmittance, air_path_lane *lane)
+{
+    const air_light_table *lights = &path->snapshot->lights;
+    const air_vec3 dir = vec3_load(ray->dir);
+    for (uint32_t k = 0; k < lights->environment_count; k++) {
+        const uint32_t entry = lights->environments[k];
+        const air_light *light = &lights->entries[entry];
+        air_term term;
+        if ((walk->depth == 0 && !light->camera_visible) ||
+            !emission_term(path, walk, light->owner, AIR_TERM_BACKGROUND, &term)) {
+            continue;
+        }
+        const float weight = hit_weight(path, walk, entry, air_environment_pdf(light, dir));
+        const air_vec3 radiance = vec3_scale(air_environment_radiance(light, dir), weight);
+        add(lane, term, vec3_mul(vec3_mul(walk->beta, transmittance), radiance));
+    }
+}
+
+static void add_surface_emission(const air_path *path, const path_walk *walk, const air_ray *ray,
+                                 const air_hit *hit, const air_surface *surface,
+                                 air_vec3 transmittance, air_path_lane *lane)
+{
+    const air_light_table *lights = &path->snapshot->lights;
+    const air_mesh *mesh = path->snapshot->meshes[hit->mesh];
+    float weight = 1.0f;
+    air_term term;
+    if (vec3_is_zero(surface->emission) ||
+        (walk->depth > 0 && path->snapshot->materials[mesh->material].unlit)) {
+        return;
+    }
+    const uint32_t owner = lights->owner_count > 0 ? (uint32_t)lights->owner_count - 1 : 0;
+    if (!emission_term(path, walk, owner, AIR_TERM_EMISSION, &term)) {
+        return;
+    }
+    if (surface->emitter != UINT32_MAX) {
+        weight = hit_weight(
+            path, walk, surface->emitter,
+            air_light_hit_pdf(lights, surface->emitter, vec3_load(ray->dir), hit->t));
+    }
+    const air_vec3 value = vec3_mul(vec3_mul(walk->beta, transmittance), surface->emission);
+    add(lane, term, vec3_scale(value, weight));
+}
+
+enum { MAX_POLYGON_HITS = 32 };
+
+/* Polygon lights stop nothing; each one the ray crosses adds its radiance. */
+static void add_polygon_lights(const air_path *path, const path_walk *walk, const air_ray *ray,
+                               float tmax, const air_ray_media *media, air_path_lane *lane)
+{
+    const air_light_table *lights = &path->snapshot->lights;
+    air_ray polygon_ray = *ray;
+    air_hit hits[MAX_POLYGON_HITS];
+    polygon_ray.tmin = 0.0f;
+    polygon_ray.tmax = tmax;
+    polygon_ray.mask = UINT32_MAX;
+    const size_t count = path->rays->intersect_all(lights->visible_accelerator, &polygon_ray, hits,
+                                                   MAX_POLYGON_HITS);
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t entry = lights->visible_entries[hits[i].mesh];
+        const air_light *light = &lights->entries[entry];
+        const air_vec3 dir = vec3_load(ray->dir);
+        const air_vec3 radiance = air_polygon_radiance(light, dir);
+        air_term term;
+        if (vec3_is_zero(radiance) ||
+            !emission_term(path, walk, light->owner, AIR_TERM_EMISSION, &term)) {
+            continue;
+        }
+        air_rng rng = air_sampler_rng(&lane->sampler, 0x30000u + path_direction_set(walk));
+        const float weight =
+            hit_weight(path, walk, entry, air_light_hit_pdf(lights, entry, dir, hits[i].t));
+        const air_vec3 transmittance = air_track_transmittance(media, hits[i].t, &rng);
+        const air_vec3 value = vec3_mul(vec3_mul(walk->beta, transmittance), radiance);
+        add(lane, term, vec3_scale(value, weight));
+    }
+}
+
+static void add_media_emission(const air_path *path, const path_walk *walk,
+                               const air_ray_media *media, air_path_lane *lane)
+{
+    const air_term term = walk->depth == 0 ? AIR_TERM_EMISSION : path_term(walk);
+    if (!media->emits || ((path->settings.terms >> term) & 1u) == 0) {
+        return;
+    }
+    bool varying = !media->closed;
+    for (size_t i = 0; i < media->count; i++) {
+        varying = varying || media->segments[i].exponential;
+    }
+    air_rng rng = air_sampler_rng(&lane->sampler, 0x40000u + path_direction_set(walk));
+    const air_vec3 radiance =
+        varying ? air_track_emission(media, &rng) : air_ray_media_emission(media);
+    add(lane, term, vec3_mul(walk->beta, radiance));
+}
+
+/* ---- events ---- */
+
+static void call_hook(const air_path *path, const air_path_lane *lane, const path_vertex *vertex,
+                      float length)
+{
+    air_path_vertex out = {0};
+    const air_vec3 position = vertex->on_surface ? vertex->at.surface.position
+                                                 : vertex->at.medium.position;
+    vec3_store(out.position, position);
+    vec3_store(out.dir_in, vec3_neg(vertex->wo));
+    air_vec3 throughput = vertex->walk.beta;
+    if (vertex->on_surface) {
+        vec3_store(out.normal, vertex->at.surface.bsdf.normal);
+    } else {
+        path_mixture mixture;
+        air_vec3 sigma_s = vec3_set1(0.0f);
+        path_mixture_make(path, vertex, &mixture);
+        for (size_t i = 0; i < mixture.count; i++) {
+            sigma_s = vec3_add(sigma_s, mixture.parts[i].sigma_s);
+            out.media_mask |= (uint64_t)1 << mixture.parts[i].medium;
+        }
+        throughput = vec3_mul(throughput, sigma_s);
+    }
+    vec3_store(out.throughput, throughput);
+    out.segment_length = length;
+    out.depth = vertex->walk.depth;
+    out.on_surface = vertex->on_surface;
+    path->settings.vertex_hook(path->settings.vertex_hook_user, lane->x, lane->y, lane->sample, &out);
+}
+
+/* The vertex at which the next event will be written; the surface a ray ends on is made there at once. */
+static path_vertex *next_vertex(air_path_scratch *scratch)
+{
+    return &scratch->vertices[scratch->vertex_count];
+}
+
+static void push_surface(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
+                         air_vec3 weight, const air_ray *ray, float t, const air_path_lane *lane)
+{
+    path_vertex *vertex = next_vertex(scratch);
+    scratch->vertex_count++;
+    vertex->walk = *walk;
+    vertex->walk.depth++;
+    vertex->walk.beta = vec3_mul(walk->beta, weight);
+    if (walk->depth == 0) {
+        vertex->walk.branch = 0;
+        vertex->walk.first_medium = AIR_NO_MEDIUM;
+    }
+    vertex->on_surface = true;
+    vertex->wo = vec3_neg(vec3_load(ray->dir));
+    if (path->settings.vertex_hook != NULL) {
+        call_hook(path, lane, vertex, t);
+    }
+}
+
+static path_vertex *push_medium(air_path_scratch *scratch, const path_walk *walk)
+{
+    path_vertex *vertex = next_vertex(scratch);
+    scratch->vertex_count++;
+    vertex->walk = *walk;
+    vertex->walk.depth++;
+    if (walk->depth == 0) {
+        vertex->walk.branch = 1;
+        vertex->walk.first_medium = AIR_NO_MEDIUM;
+    }
+    vertex->on_surface = false;
+    return vertex;
+}
+
+static void place_medium(const air_path *path, path_vertex *vertex, const air_ray_media *media,
+                         size_t segment, float t, const air_path_lane *lane)
+{
+    vertex->wo = vec3_neg(media->dir);
+    vertex->at.medium.position = vec3_madd(media->origin, t, media->dir);
+    vertex->at.medium.regions = media->segments[segment].regions;
+    if (path->settings.vertex_hook != NULL) {
+        call_hook(path, lane, vertex, t);
+    }
+}
+
+/* Draws the light of a medium event before its distance, so that the distance can follow it. */
+static bool draw_light(const air_path *path, path_vertex *vertex, const air_path_lane *lane)
+{
+    if (path->snapshot->lights.count == 0) {
+        return false;
+    }
+    path_draw_light(path, lane, &vertex->walk, &vertex->at.medium.light,
+                    &vertex->at.medium.light_probability);
+    return !vertex->at.medium.light.infinite;
+}
+
+/* An event in the media of a closed ray. weight: the probability-compensated share of it that scatters. */
+static void scatter_closed(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
+                           float weight, float u, const air_path_lane *lane)
+{
+    const air_ray_media *media = &scratch->media;
+    path_vertex *vertex = push_medium(scratch, walk);
+    const bool finite = draw_light(path, vertex, lane);
+    air_distance distance;
+    if (!air_distance_sample(media, walk->beta, finite ? &vertex->at.medium.light.position : NULL, u,
+                             &distance)) {
+        scratch->vertex_count--;
+        return;
+    }
+    vertex->walk.beta = vec3_scale(vec3_mul(walk->beta, distance.weight), weight);
+    place_medium(path, vertex, media, distance.segment, distance.t, lane);
+}
+
+static void scatter_tracked(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
+                            const air_collision *collision, const air_path_lane *lane)
+{
+    path_vertex *vertex = push_medium(scratch, walk);
+    (void)draw_light(path, vertex, lane);
+    vertex->walk.beta = vec3_mul(walk->beta, collision->weight);
+    place_medium(path, vertex, &scratch->media, collision->segment, collision->t, lane);
+}
+
+/* Closed rays: the camera sample goes both ways, scattered and not; a later walk chooses, unless nothing lies at the end. */
+static void events_closed(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
+                          const air_ray *ray, bool met, float t, air_vec3 transmittance,
+                          const air_path_lane *lane)
+{
+    const air_ray_media *media = &scratch->media;
+    const uint32_t surface_terms = (1u << AIR_TERM_S0) | (1u << AIR_TERM_S_PLUS);
+    const uint32_t medium_terms = (1u << AIR_TERM_M1) | (1u << AIR_TERM_M2);
+    const bool scatters = media->scatters && vec3_max(media->depth) > 0.0f;
+    if (walk->depth == 0) {
+        if (met && (path->settings.terms & surface_terms) != 0) {
+            push_surface(path, scratch, walk, transmittance, ray, t, lane);
+        }
+        if (scatters && (path->settings.terms & medium_terms) != 0) {
+            scatter_closed(path, scratch, walk, 1.0f, lane->u_distance, lane);
+        }
+        return;
+    }
+    if (!scatters) {
+        if (met) {
+            push_surface(path, scratch, walk, transmittance, ray, t, lane);
+        }
+        return;
+    }
+    path_walk next = *walk;
+    next.depth++;
+    const float u = air_sampler_get(&lane->sampler, path_light_set(&next))[0];
+    const float p =
+        met ? air_distance_event_probability(media, walk->beta) : 1.0f;
+    if (u < p) {
+        scatter_closed(path, scratch, walk, 1.0f / p, u / p, lane);
+    } else if (met) {
+        push_surface(path, scratch, walk, vec3_scale(transmittance, 1.0f / (1.0f - p)), ray, t,
+                     lane);
+    }
+}
+
+static void events_tracked(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
+                           const air_ray *ray, bool met, float t, const air_path_lane *lane)
+{
+    air_rng rng = air_sampler_rng(&lane->sampler, 0x20000u + path_direction_set(walk));
+    const air_collision collision = air_track_collision(&scratch->media, walk->beta, &rng);
+    if (collision.happened) {
+        scatter_tracked(path, scratch, walk, &collision, lane);
+    } else if (met) {
+        push_surface(path, scratch, walk, collision.weight, ray, t, lane);
+    }
+}
+
+static air_vec3 end_transmittance(const air_ray_media *media, bool emission_at_end, float tmax,
+                                  const air_path_lane *lane, const path_walk *walk)
+{
+    if (media->closed) {
+        return media->transmittance;
+    }
+    if (!emission_at_end) {
+        return vec3_set1(0.0f);
+    }
+    air_rng rng = air_sampler_rng(&lane->sampler, 0x50000u + path_direction_set(walk));
+    return air_track_transmittance(media, tmax, &rng);
+}
+
+static void note_guides(const air_surface *surface, float t, air_path_lane *lane)
+{
+    lane->albedo = vec3_add(surface->bsdf.diffuse, surface->bsdf.f0);
+    lane->normal = surface->bsdf.frame.n;
+    lane->depth = t;
+}
+
+/* Everything that happens along one ray: emission seen, then the next event. */
+static void arrive(const air_path *path, air_path_scratch *scratch, size_t i, air_path_lane *lanes)
+{
+    const path_walk *walk = &scratch->walks[i];
+    const air_ray *ray = &scratch->rays[i];
+    const air_hit *hit = &scratch->hits[i];
+    air_path_lane *lane = &lanes[walk->lane];
+    const bool met = hit->mesh != (uint32_t)AIR_NO_HIT;
+    const float t = met ? hit->t : AIR_FAR;
+    air_surface *surface = &next_vertex(scratch)->at.surface;
+    air_ray_media *media = &scratch->media;
+    air_ray_media_make(media, &path->snapshot->media, vec3_load(ray->origin), vec3_load(ray->dir), t);
+    if (met) {
+        air_surface_make(path->snapshot, hit, vec3_load(ray->dir), surface);
+        if (walk->depth == 0 && path->settings.guides) {
+            note_guides(surface, t, lane);
+        }
+    }
+    const bool emission_at_end =
+        met ? !vec3_is_zero(surface->emission) : path->snapshot->lights.environment_count > 0;
+    const air_vec3 transmittance = end_transmittance(media, emission_at_end, t, lane, walk);
+    if (emission_at_end && met) {
+        add_surface_emission(path, walk, ray, hit, surface, transmittance, lane);
+    } else if (emission_at_end) {
+        add_environments(path, walk, ray, transmittance, lane);
+    }
+    if (path->snapshot->lights.visible_accelerator != NULL) {
+        add_polygon_lights(path, walk, ray, t, media, lane);
+    }
+    if (path->emissive_media) {
+        add_media_emission(path, walk, media, lane);
+    }
+    if (walk->depth >= path->settings.max_depth) {
+        return;
+    }
+    if (media->closed) {
+        events_closed(path, scratch, walk, ray, met, t, transmittance, lane);
+    } else {
+        events_tracked(path, scratch, walk, ray, met, t, lane);
+    }
+}
+
+/* ---- onward ---- */
+
+/* Chooses a direction by the mixture of phase functions; false if nothing scatters. */
+static bool sample_medium(const air_path *path, const path_vertex *vertex,
+                          const path_mixture *mixture, air_f32x4 u, path_walk *walk, air_vec3 *dir)
+{
+    if (mixture->count == 0) {
+        return false;
+    }
+    size_t chosen = 0;
+    float rest = u[2];
+    while (chosen + 1 < mixture->count && rest >= mixture->parts[chosen].share) {
+        rest -= mixture->parts[chosen].share;
+        chosen++;
+    }
+    const air_medium *media = path->snapshot->media.media;
+    const uint32_t medium = mixture->parts[chosen].medium;
+    float pdf = 0.0f;
+    *dir = air_phase_sample(media[medium].phase, vec3_neg(vertex->wo), u[0], u[1], &pdf);
+    if (mixture->count > 1) {
+        pdf = 0.0f;
+        for (size_t i = 0; i < mixture->count; i++) {
+            pdf += mixture->parts[i].share *
+                   phase_eval(media[mixture->parts[i].medium].phase, -vec3_dot(vertex->wo, *dir));
+        }
+    }
+    /* One medium stands for the mixture, so that a walk belongs to one medium. */
+    const air_vec3 weight =
+        vec3_scale(mixture->parts[chosen].sigma_s, 1.0f / mixture->parts[chosen].share);
+    walk->beta = vec3_mul(walk->beta, weight);
+    walk->pdf_dir = pdf;
+    if (walk->depth == 1) {
+        walk->first_medium = medium;
+    }
+    return true;
+}
+
+static bool sample_surface(const path_vertex *vertex, air_f32x4 u, path_walk *walk, air_vec3 *dir)
+{
+    const float numbers[3] = {u[0], u[1], u[2]};
+    air_vec3 weight;
+    if (!air_bsdf_sample(&vertex->at.surface.bsdf, vertex->wo, numbers, dir, &weight,
+                         &walk->pdf_dir)) {
+        return false;
+    }
+    walk->beta = vec3_mul(walk->beta, weight);
+    return true;
+}
+
+/* Below this throughput a walk survives with a probability in proportion to it. */
+#define ROULETTE_THRESHOLD 1.0f
+
+static bool survives(path_walk *walk, float u)
+{
+    const float q = vec3_max(walk->beta) * (1.0f / ROULETTE_THRESHOLD);
+    if (q >= 1.0f) {
+        return true;
+    }
+    if (u >= q) {
+        return false;
+    }
+    walk->beta = vec3_scale(walk->beta, 1.0f / q);
+    return true;
+}
+
+/* Light at the vertex, then the ray that leaves it. */
+static void leave(const air_path *path, air_path_scratch *scratch, const path_vertex *vertex,
+                  const air_path_lane *lanes)
+{
+    path_mixture mixture;
+    mixture.count = 0;
+    if (!vertex->on_surface) {
+        path_mixture_make(path, vertex, &mixture);
+        if (mixture.count == 0) {
+            return;
+        }
+    }
+    path_gather(path, scratch, lanes, vertex, &mixture);
+    path_walk walk = vertex->walk;
+    if (walk.depth >= path->settings.max_depth && !path->hittable_lights) {
+        return;
+    }
+    const air_f32x4 u =
+        air_sampler_get(&lanes[walk.lane].sampler, path_direction_set(&walk));
+    air_vec3 dir;
+    const bool sampled = vertex->on_surface
+                             ? sample_surface(vertex, u, &walk, &dir)
+                             : sample_medium(path, vertex, &mixture, u, &walk, &dir);
+    if (!sampled || !survives(&walk, u[3])) {
+        return;
+    }
+    const air_vec3 origin = vertex->on_surface ? air_surface_origin(&vertex->at.surface, dir)
+                                               : vertex->at.medium.position;
+    const size_t i = scratch->walk_count++;
+    scratch->walks[i] = walk;
+    scratch->rays[i] = (air_ray){{origin.x, origin.y, origin.z}, 0.0f, {dir.x, dir.y, dir.z},
+                                 FLT_MAX, AIR_MASK_SCATTER};
+}
+
+static void start(air_path_scratch *scratch, air_path_lane *lanes, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        air_path_lane *lane = &lanes[i];
+        for (int term = 0; term < AIR_TERM_COUNT; term++) {
+            lane->terms[term] = vec3_set1(0.0f);
+        }
+        lane->albedo = lane->normal = vec3_set1(0.0f);
+        lane->depth = 0.0f;
+        scratch->walks[i] = (path_walk){(uint32_t)i, 0, AIR_NO_MEDIUM, 0, vec3_set1(1.0f), 0.0f};
+        scratch->rays[i] = (air_ray){{lane->origin.x, lane->origin.y, lane->origin.z}, 0.0f,
+                                     {lane->dir.x, lane->dir.y, lane->dir.z}, FLT_MAX,
+                                     AIR_MASK_CAMERA};
+    }
+    scratch->walk_count = count;
+}
+
+void air_path_trace(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
+                    size_t count)
+{
+    start(scratch, lanes, count);
+    while (scratch->walk_count > 0) {
+        const size_t walks = scratch->walk_count;
+        path_intersect(path, scratch, lanes, walks);
+        scratch->vertex_count = 0;
+        for (size_t i = 0; i < walks; i++) {
+            arrive(path, scratch, i, lanes);
+        }
+        scratch->walk_count = scratch->shadow_count = 0;
+        for (size_t i = 0; i < scratch->vertex_count; i++) {
+            leave(path, scratch, &scratch->vertices[i], lanes);
+        }
+        path_connect(path, scratch, lanes);
+    }
+}

@@ -1,0 +1,195 @@
+#include "render/picture.h"
+
+#include <string.h>
+
+/* The part of a picture's name that must agree before its samples may be added to another's: FNV-1a over what was asked
+ * for and what the scene is made of. */
+static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
+{
+    const uint8_t *bytes = data;
+    for (size_t i = 0; i < size; i++) {
+        hash = (hash ^ bytes[i]) * 0x100000001b3ull;
+    }
+    return hash;
+}
+
+static uint64_t settings_hash(const air_picture *picture)
+{
+    const air_render_params *p = picture->params;
+    const air_snapshot *s = picture->snapshot;
+    uint64_t hash = 0xcbf29ce484222325ull;
+    hash = hash_bytes(hash, &p->max_depth, sizeof p->max_depth);
+    hash = hash_bytes(hash, &p->terms, sizeof p->terms);
+    hash = hash_bytes(hash, p->methods, strlen(p->methods));
+    hash = hash_bytes(hash, &p->filter, sizeof p->filter);
+    hash = hash_bytes(hash, &p->filter_radius, sizeof p->filter_radius);
+    hash = hash_bytes(hash, &picture->view.origin, sizeof picture->view.origin);
+    hash = hash_bytes(hash, &picture->view.dir, sizeof picture->view.dir);
+    hash = hash_bytes(hash, &s->triangle_count, sizeof s->triangle_count);
+    hash = hash_bytes(hash, s->bounds_min, sizeof s->bounds_min);
+    hash = hash_bytes(hash, s->bounds_max, sizeof s->bounds_max);
+    for (size_t i = 0; i < s->media.count; i++) {
+        hash = hash_bytes(hash, &s->media.media[i].sigma_s, sizeof(air_vec3));
+        hash = hash_bytes(hash, &s->media.media[i].sigma_a, sizeof(air_vec3));
+    }
+    for (size_t i = 0; i < s->lights.explicit_count; i++) {
+        hash = hash_bytes(hash, &s->lights.entries[i].color, sizeof(air_vec3));
+    }
+    return hash;
+}
+
+static void make_layout(air_picture *picture)
+{
+    const air_render_params *p = picture->params;
+    memset(&picture->layout, 0, sizeof picture->layout);
+    if (!p->layers) {
+        air_film_layout_add(&picture->layout, AIR_SLOT_TERM, "beauty", 3);
+    }
+    for (uint32_t t = 0; p->layers && t < AIR_TERM_COUNT; t++) {
+        if ((p->terms >> t) & 1u) {
+            air_film_layout_add(&picture->layout, AIR_SLOT_TERM, air_term_name((air_term)t), 3);
+        }
+    }
+    if (p->guides) {
+        air_film_layout_add(&picture->layout, AIR_SLOT_GUIDE, "albedo", 3);
+        air_film_layout_add(&picture->layout, AIR_SLOT_GUIDE, "normal", 3);
+        air_film_layout_add(&picture->layout, AIR_SLOT_GUIDE, "depth", 1);
+    }
+    if (p->variance_replicates > 0) {
+        air_film_layout_add(&picture->layout, AIR_SLOT_SQUARES, "variance", 3);
+    }
+}
+
+/* A gaussian of standard deviation radius/3, cut at the radius: its distribution function by the trapezoid rule, inverted. */
+static air_status make_gaussian(air_picture *picture)
+{
+    enum { STEPS = 4 * AIR_GAUSSIAN_TABLE };
+    const double radius = picture->params->filter_radius, sigma = radius / 3.0;
+    double cumulative[STEPS + 1], sum = 0.0;
+    picture->gaussian =
+        air_allocate(picture->context, AIR_GAUSSIAN_TABLE + 1, sizeof *picture->gaussian);
+    if (picture->gaussian == NULL) {
+        return air_fail_memory(picture->context, "pixel filter");
+    }
+    for (int i = 0; i <= STEPS; i++) {
+        const double x = radius * (2.0 * i / STEPS - 1.0), half_step = radius / STEPS;
+        const double left = x - 2.0 * half_step;
+        if (i > 0) {
+            sum += exp(-0.5 * x * x / (sigma * sigma)) + exp(-0.5 * left * left / (sigma * sigma));
+        }
+        cumulative[i] = sum;
+    }
+    for (int k = 0, i = 0; k <= AIR_GAUSSIAN_TABLE; k++) {
+        const double target = sum * k / AIR_GAUSSIAN_TABLE;
+        while (i < STEPS - 1 && cumulative[i + 1] < target) {
+            i++;
+        }
+        const double share = (target - cumulative[i]) / (cumulative[i + 1] - cumulative[i]);
+        picture->gaussian[k] = (float)(radius * (2.0 * (i + share) / STEPS - 1.0));
+    }
+    return AIR_OK;
+}
+
+static float filter_offset(const air_picture *picture, float u)
+{
+    const float radius = picture->params->filter_radius;
+    switch (picture->params->filter) {
+    case AIR_FILTER_POINT:
+        return 0.0f;
+    case AIR_FILTER_BOX:
+        return (2.0f * u - 1.0f) * radius;
+    case AIR_FILTER_TENT:
+        return u < 0.5f ? radius * (sqrtf(2.0f * u) - 1.0f) : radius * (1.0f - sqrtf(2.0f - 2.0f * u));
+    case AIR_FILTER_GAUSSIAN: {
+        const float position = u * AIR_GAUSSIAN_TABLE;
+        const int i = (int)position;
+        const float share = position - (float)i;
+        return picture->gaussian[i] + share * (picture->gaussian[i + 1] - picture->gaussian[i]);
+    }
+    }
+    return 0.0f;
+}
+
+void air_picture_sample_position(const air_picture *picture, uint32_t x, uint32_t y, float u, float v,
+                                 float *out_x, float *out_y)
+{
+    *out_x = (float)x + 0.5f + filter_offset(picture, u);
+    *out_y = (float)y + 0.5f + filter_offset(picture, v);
+}
+
+static void set_crop(air_picture *picture)
+{
+    const air_render_params *p = picture->params;
+    for (int i = 0; i < 4; i++) {
+        picture->crop[i] = (uint32_t)p->crop[i];
+    }
+    if (p->crop[2] == 0) {
+        picture->crop[2] = (uint32_t)p->width;
+        picture->crop[3] = (uint32_t)p->height;
+    }
+}
+
+static air_status make_owners(air_picture *picture)
+{
+    air_status status = air_owner_table_create(picture->context, picture->snapshot,
+                                               picture->params->methods, &picture->owners);
+    if (status != AIR_OK) {
+        return status;
+    }
+    picture->wanted = air_allocate(picture->context, air_owner_table_size(picture->owners), 1);
+    if (picture->wanted == NULL) {
+        return air_fail_memory(picture->context, "owner table");
+    }
+    air_owner_table_mask(picture->owners, AIR_METHOD_PATH, picture->wanted);
+    return AIR_OK;
+}
+
+air_status air_picture_init(air_picture *picture, air_context *context,
+                            const air_snapshot *snapshot, const air_render_params *params)
+{
+    memset(picture, 0, sizeof *picture);
+    picture->context = context;
+    picture->snapshot = snapshot;
+    picture->params = params;
+    set_crop(picture);
+    make_layout(picture);
+    air_sobol_init(&picture->sobol);
+    air_camera_view_init(&snapshot->cameras[air_snapshot_camera(snapshot, params->camera)],
+                         params->width, params->height, &picture->view);
+    air_status status = make_owners(picture);
+    if (status == AIR_OK && params->filter == AIR_FILTER_GAUSSIAN) {
+        status = make_gaussian(picture);
+    }
+    if (status != AIR_OK) {
+        return status;
+    }
+    const air_path_settings settings = {params->max_depth,   picture->wanted,
+                                        params->terms,       params->guides,
+                                        params->vertex_hook, params->vertex_hook_user};
+    air_path_init(&picture->path, snapshot, &picture->sobol, &settings);
+    return AIR_OK;
+}
+
+void air_picture_finish(air_picture *picture)
+{
+    air_owner_table_destroy(picture->owners);
+    air_free(picture->context, picture->wanted);
+    air_free(picture->context, picture->gaussian);
+}
+
+air_status air_picture_film(const air_picture *picture, air_film **out_film)
+{
+    const air_render_params *p = picture->params;
+    air_film description;
+    memset(&description, 0, sizeof description);
+    description.width = (uint32_t)p->width;
+    description.height = (uint32_t)p->height;
+    memcpy(description.crop, picture->crop, sizeof description.crop);
+    description.seed = p->seed;
+    description.settings = settings_hash(picture);
+    description.layout = picture->layout;
+    if (p->variance_replicates > 0) {
+        description.replicate_size = (p->sample_end - p->sample_begin) / p->variance_replicates;
+    }
+    return air_film_create(picture->context, &description, out_film);
+}

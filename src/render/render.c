@@ -1,0 +1,168 @@
+/* render.c: a snapshot into a film: passes over the samples, tiles in parallel, blocks of samples in order. */
+#include "airlight/render.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "render/picture.h"
+
+float air_filter_radius_default(air_filter filter)
+{
+    return filter == AIR_FILTER_GAUSSIAN ? 1.5f : filter == AIR_FILTER_TENT ? 1.0f : 0.5f;
+}
+
+void air_render_params_default(air_render_params *params)
+{
+    memset(params, 0, sizeof *params);
+    params->camera = AIR_NONE;
+    params->width = 960;
+    params->height = 720;
+    params->sample_end = 64;
+    params->max_depth = UINT32_MAX;
+    params->terms = AIR_TERMS_ALL;
+    params->methods = "auto";
+    params->filter = AIR_FILTER_BOX;
+    params->filter_radius = air_filter_radius_default(AIR_FILTER_BOX);
+    params->time_limit_s = INFINITY;
+    params->tile_size = 32;
+}
+
+static air_status check_size(air_context *context, const air_render_params *p)
+{
+    if (p->width < 1 || p->width > 65535 || p->height < 1 || p->height > 65535) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "picture size %zu x %zu: expected 1 to 65535 on both sides", p->width,
+                        p->height);
+    }
+    const bool all = p->crop[0] == 0 && p->crop[1] == 0 && p->crop[2] == 0 && p->crop[3] == 0;
+    if (!all && (p->crop[0] >= p->crop[2] || p->crop[1] >= p->crop[3] || p->crop[2] > p->width ||
+                 p->crop[3] > p->height)) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "crop %zu,%zu,%zu,%zu: expected x0 < x1 <= %zu and y0 < y1 <= %zu",
+                        p->crop[0], p->crop[1], p->crop[2], p->crop[3], p->width, p->height);
+    }
+    return AIR_OK;
+}
+
+static air_status check_samples(air_context *context, const air_render_params *p)
+{
+    if (p->sample_begin >= p->sample_end || p->sample_begin % AIR_FILM_BLOCK != 0) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "samples %u:%u: expected begin < end and begin a multiple of %d",
+                        p->sample_begin, p->sample_end, AIR_FILM_BLOCK);
+    }
+    const uint32_t count = p->sample_end - p->sample_begin;
+    if (p->variance_replicates == 0) {
+        return AIR_OK;
+    }
+    if (p->variance_replicates < 2 || count % p->variance_replicates != 0 ||
+        p->sample_begin % (count / p->variance_replicates) != 0) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "variance from %u replicates: expected at least 2, a number of samples that "
+                        "is a multiple of it (not %u), and a begin that is a multiple of the samples "
+                        "of one replicate",
+                        p->variance_replicates, count);
+    }
+    if (isfinite(p->time_limit_s)) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "variance from replicates needs all its samples: a time limit excludes it");
+    }
+    return AIR_OK;
+}
+
+static air_status check(air_context *context, const air_snapshot *snapshot,
+                        const air_render_params *p)
+{
+    air_status status = check_size(context, p);
+    status = status == AIR_OK ? check_samples(context, p) : status;
+    if (status != AIR_OK) {
+        return status;
+    }
+    if (p->max_depth < 1 || (p->terms & ~(uint32_t)AIR_TERMS_ALL) != 0 || p->terms == 0) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "max depth %u, terms %u: expected a depth of at least 1 and at least one of "
+                        "the six terms",
+                        p->max_depth, p->terms);
+    }
+    if (!(p->filter_radius > 0.0f) || !(p->filter_radius <= 16.0f) || !(p->time_limit_s > 0.0) ||
+        p->tile_size < 1) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "expected a filter radius in (0, 16], a positive time limit and a tile size "
+                        "of at least 1");
+    }
+    if (air_snapshot_camera(snapshot, p->camera) == SIZE_MAX) {
+        return air_fail(context, AIR_ERROR_ARGUMENT, "camera handle %u names no camera", p->camera);
+    }
+    return AIR_OK;
+}
+
+/* ---- passes ---- */
+
+/* The next pass: the largest run that doubles at most what is there, so that an interruption loses little, and that the time
+ * left allows. Replicates go in one pass. */
+static uint32_t pass_end(const air_render_params *p, uint32_t begin, double spent_s, double left_s)
+{
+    const uint32_t done = begin - p->sample_begin;
+    uint32_t end = p->sample_end;
+    if (p->variance_replicates > 0) {
+        return end;
+    }
+    const uint32_t most = done < AIR_FILM_BLOCK ? AIR_FILM_BLOCK : done;
+    end = end - begin > most ? begin + most : end;
+    end = air_film_node_end(begin, end);
+    while (done > 0 && isfinite(left_s) && end - begin > AIR_FILM_BLOCK &&
+           spent_s / done * (end - begin) > left_s) {
+        end = begin + (end - begin) / 2 / AIR_FILM_BLOCK * AIR_FILM_BLOCK;
+        end = air_film_node_end(begin, end);
+    }
+    return end;
+}
+
+static air_status run_passes(air_picture *picture, air_film *film)
+{
+    const air_render_params *p = picture->params;
+    const double start = air_clock(picture->context);
+    uint32_t begin = p->sample_begin;
+    while (begin < p->sample_end) {
+        const double spent = air_clock(picture->context) - start;
+        if (spent >= p->time_limit_s) {
+            break;
+        }
+        const uint32_t end = pass_end(p, begin, spent, p->time_limit_s - spent);
+        const air_status status = air_picture_pass(picture, film, begin, end);
+        if (status != AIR_OK) {
+            return status;
+        }
+        begin = end;
+        if (p->pass_done != NULL && !p->pass_done(p->pass_user, film)) {
+            break;
+        }
+    }
+    return AIR_OK;
+}
+
+air_status air_render(air_context *context, const air_snapshot *snapshot,
+                      const air_render_params *params, air_film **out_film)
+{
+    air_picture picture;
+    air_film *film = NULL;
+    *out_film = NULL;
+    air_status status = check(context, snapshot, params);
+    if (status != AIR_OK) {
+        return status;
+    }
+    status = air_picture_init(&picture, context, snapshot, params);
+    if (status == AIR_OK) {
+        status = air_picture_film(&picture, &film);
+    }
+    if (status == AIR_OK) {
+        status = run_passes(&picture, film);
+    }
+    air_picture_finish(&picture);
+    if (status == AIR_OK || status == AIR_ERROR_INTERRUPTED) {
+        *out_film = film;
+    } else {
+        air_film_destroy(film);
+    }
+    return status;
+}

@@ -1,0 +1,52 @@
+/* bsdf.h: reflection of a surface: Lambert plus GGX (metallic-roughness), energy-sound and
+ * reciprocal.
+ *
+ * wo points towards where the light goes to (the camera side), wi towards where it comes from; both
+ * unit, world space, pointing away from the surface.
+ *
+ * Three lobes: GGX with Schlick's Fresnel term; what GGX loses to multiple scattering between its
+ * facets, given back as in [Kulla2017]; and a Lambert base under them, dimmed by what they reflect
+ * on the way in and out. Each is reciprocal, and together they never reflect more than they
+ * receive. Inputs are clamped to their ranges for that. */
+#ifndef AIR_SCENE_BSDF_H
+#define AIR_SCENE_BSDF_H
+
+#include "core/vec.h"
+
+typedef struct air_bsdf {
+    air_frame frame;      /* shading frame; frame.n on the side of wo */
+    air_vec3 normal;      /* geometric normal on the side of wo */
+    air_vec3 diffuse;     /* albedo of the Lambert part, already without the metallic share */
+    air_vec3 f0;          /* specular reflectance at normal incidence; 0: pure Lambert */
+    float f90;            /* specular reflectance at grazing incidence; see air_bsdf_make */
+    float alpha;          /* GGX alpha = roughness^2, clamped to at least 0.001: roughness 0.0316 */
+    float alpha_axis;     /* alpha on the axis of the albedo tables */
+    air_vec3 multiple;    /* Fresnel factor of multiple scattering */
+    float multiple_scale; /* f = multiple multiple_scale loss(wo) loss(wi) */
+    air_vec3 diffuse_scale; /* f = diffuse_scale (1 - E(wo)) (1 - E(wi)) */
+    float specular_share;   /* probability of sampling the GGX lobe, for the wo it was made for */
+} air_bsdf;
+
+typedef struct air_bsdf_input {
+    air_vec3 base_color;
+    float metallic, roughness, specular, ior;
+    air_vec3 shading_normal, geometric_normal; /* unit, any side */
+    air_vec3 wo;
+} air_bsdf_input;
+
+/* Normals are turned to the side of wo, the shading normal to that of the geometric one; where it
+ * still faces away from wo, it is bent towards wo until it just does not. Dielectric f0 =
+ * ((ior-1)/(ior+1))^2 specular, mixed with base_color by metallic; f90 is 1, but falls to 0 with f0
+ * below 2 %, less than any common dielectric has. */
+void air_bsdf_make(const air_bsdf_input *input, air_bsdf *out);
+
+/* f(wo, wi) |cos(wi, n)| with the shading normal; 0 if wi or wo is below the geometric or the
+ * shading surface. */
+air_vec3 air_bsdf_eval(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
+/* Density of air_bsdf_sample per solid angle. */
+float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
+/* u: three numbers in [0,1). Returns false if nothing is reflected; *out_weight = f cos / pdf. */
+bool air_bsdf_sample(const air_bsdf *bsdf, air_vec3 wo, const float u[3], air_vec3 *out_wi,
+                     air_vec3 *out_weight, float *out_pdf);
+
+#endif

@@ -1,0 +1,154 @@
+/* punctual.c: see punctual.h. */
+#include "scene/lights/punctual.h"
+
+/* ---- spot ---- */
+
+void air_spot_set_cone(air_light *light, double inner_cone_rad, double outer_cone_rad)
+{
+    /* KHR_lights_punctual: the difference of the cosines is kept from becoming 0 */
+    const double scale = 1.0 / fmax(0.001, cos(inner_cone_rad) - cos(outer_cone_rad));
+    light->spot_scale = (float)scale;
+    light->spot_offset = (float)(-cos(outer_cone_rad) * scale);
+}
+
+float air_spot_falloff(const air_light *light, float cosine)
+{
+    const float x = fminf(fmaxf(cosine * light->spot_scale + light->spot_offset, 0.0f), 1.0f);
+    return x * x;
+}
+
+double air_spot_solid_angle(const air_light *light)
+{
+    /* the square of a number that rises by 1 while the cosine rises by `rise` from `outer` */
+    const double rise = 1.0 / (double)light->spot_scale;
+    const double outer = -(double)light->spot_offset * rise;
+    const double reached = fmin(1.0, (1.0 - outer) / rise);
+    return 2.0 * AIR_PI *
+           (rise / 3.0 * reached * reached * reached + fmax(0.0, 1.0 - outer - rise));
+}
+
+/* ---- windows of collimated lights ---- */
+
+air_status air_windows_build(air_context *context, const air_gobo_window *windows, size_t count,
+                             air_light *light)
+{
+    size_t total = 0;
+    for (size_t i = 0; i < count; i++) {
+        total += windows[i].vertex_count;
+    }
+    light->windows = air_allocate(context, 2 * total, sizeof *light->windows);
+    light->window_ends = air_allocate(context, count, sizeof *light->window_ends);
+    if (light->windows == NULL || light->window_ends == NULL) {
+        return air_fail_memory(context, "collimated light");
+    }
+    light->window_count = count;
+    size_t next = 0;
+    for (size_t i = 0; i < count; i++) {
+        for (size_t k = 0; k < windows[i].vertex_count; k++, next++) {
+            const air_vec3 v = vec3_load(windows[i].vertices + 3 * k);
+            light->windows[2 * next] = vec3_dot(v, light->frame.s);
+            light->windows[2 * next + 1] = vec3_dot(v, light->frame.t);
+        }
+        light->window_ends[i] = next;
+    }
+    return AIR_OK;
+}
+
+void air_windows_finish(air_context *context, air_light *light)
+{
+    air_free(context, light->window_ends);
+    air_free(context, light->windows);
+}
+
+double air_windows_area(const air_light *light)
+{
+    double sum = 0.0;
+    size_t begin = 0;
+    for (size_t i = 0; i < light->window_count; i++) {
+        const size_t end = light->window_ends[i];
+        double area = 0.0;
+        for (size_t k = begin; k < end; k++) {
+            const float *a = light->windows + 2 * k;
+            const float *b = light->windows + 2 * (k + 1 < end ? k + 1 : begin);
+            area += 0.5 * ((double)a[0] * (double)b[1] - (double)a[1] * (double)b[0]);
+        }
+        sum += fabs(area);
+        begin = end;
+    }
+    return sum;
+}
+
+/* Even-odd rule: how often does the half-line to the right of (x, y) cross the edges? */
+static bool inside(const float *vertices, size_t count, float x, float y)
+{
+    bool odd = false;
+    const float *a = vertices + 2 * (count - 1);
+    for (size_t i = 0; i < count; i++) {
+        const float *b = vertices + 2 * i;
+        if ((a[1] > y) != (b[1] > y)) {
+            const float cross = (b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1]);
+            if ((cross > 0.0f) == (b[1] > a[1])) {
+                odd = !odd;
+            }
+        }
+        a = b;
+    }
+    return odd;
+}
+
+bool air_light_in_windows(const air_light *light, air_vec3 point)
+{
+    if (light->window_count == 0) {
+        return true;
+    }
+    const float x = vec3_dot(point, light->frame.s), y = vec3_dot(point, light->frame.t);
+    size_t begin = 0;
+    for (size_t i = 0; i < light->window_count; i++) {
+        const size_t end = light->window_ends[i];
+        if (inside(light->windows + 2 * begin, end - begin, x, y)) {
+            return true;
+        }
+        begin = end;
+    }
+    return false;
+}
+
+/* ---- sampling ---- */
+
+void air_punctual_sample(const air_light *light, air_light_point *out)
+{
+    out->delta = true;
+    out->position = light->position;
+    out->infinite = light->kind == AIR_LIGHT_COLLIMATED;
+    out->dir = vec3_neg(light->dir);
+    out->value = light->color;
+    out->pdf = 1.0f;
+}
+
+bool air_punctual_connect(const air_light *light, air_vec3 point, air_connection *out)
+{
+    const air_vec3 to_light = vec3_sub(light->position, point);
+    const float distance2 = vec3_dot(to_light, to_light);
+    if (!(distance2 > 0.0f)) {
+        return false;
+    }
+    const float distance = sqrtf(distance2);
+    out->dir = vec3_scale(to_light, 1.0f / distance);
+    out->distance = distance;
+    float share = 1.0f;
+    if (light->kind == AIR_LIGHT_SPOT) {
+        share = air_spot_falloff(light, -vec3_dot(out->dir, light->dir));
+    }
+    out->incident = vec3_scale(light->color, share / distance2);
+    out->pdf = 1.0f;
+    return share > 0.0f;
+}
+
+bool air_collimated_connect(const air_light *light, air_vec3 point, air_connection *out)
+{
+    out->dir = vec3_neg(light->dir);
+    out->distance = INFINITY;
+    out->incident = light->color;
+    out->pdf = 1.0f;
+    return air_light_in_windows(light, point);
+}

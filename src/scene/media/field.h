@@ -1,0 +1,28 @@
+/* field.h: the coefficients of a medium at a point, and closed forms for exponential density along
+ * a ray. */
+#ifndef AIR_SCENE_MEDIA_FIELD_H
+#define AIR_SCENE_MEDIA_FIELD_H
+
+#include "scene/media/media.h"
+
+typedef struct air_coefficients {
+    air_vec3 sigma_s, sigma_t; /* 1/m */
+    air_vec3 emission;         /* W/(m^3 sr) */
+} air_coefficients;
+
+/* The coefficients of a medium in one of its regions at a world point inside it. All scale with the
+ * density, emission too; an albedo grid shares sigma_t out between scattering and absorption, an
+ * emission grid multiplies emission. Thread-safe. */
+air_coefficients air_medium_coefficients(const air_medium *medium, const air_region *region,
+                                         air_vec3 point);
+
+/* The integral over t of an exponential medium's density at origin + t dir, from t0 to t1 >= t0; t1
+ * may be INFINITY. */
+float air_exponential_depth(const air_medium *medium, air_vec3 origin, air_vec3 dir, float t0,
+                            float t1);
+
+/* The largest density of an exponential medium on that part of the ray. */
+float air_exponential_max(const air_medium *medium, air_vec3 origin, air_vec3 dir, float t0,
+                          float t1);
+
+#endif

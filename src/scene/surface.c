@@ -1,0 +1,261 @@
+#include "scene/surface.h"
+
+#include <float.h>
+
+#include "scene/texture.h"
+
+/* A hit with what it refers to. */
+typedef struct hit_place {
+    const air_mesh *mesh;
+    const air_material *material;
+    const uint32_t *corners; /* the triangle's three vertices */
+    float b[3];              /* barycentrics */
+} hit_place;
+
+static hit_place find_place(const air_snapshot *snapshot, const air_hit *hit)
+{
+    const air_mesh *mesh = snapshot->meshes[hit->mesh];
+    return (hit_place){.mesh = mesh,
+                       .material = &snapshot->materials[mesh->material],
+                       .corners = mesh->indices + 3 * (size_t)hit->triangle,
+                       .b = {1.0f - hit->u - hit->v, hit->u, hit->v}};
+}
+
+/* ---- position ---- */
+
+/* Position and offset of a hit; inverse_area2 is 1 over the length of (p1-p0) x (p2-p0).
+ *
+ * The offset has to exceed the error with which a ray that starts here knows its distance to the
+ * triangle's plane, and to the planes of coplanar neighbours. With u = 2^-24, the unit roundoff,
+ * and to first order in it:
+ *
+ * position = p0 + (b1 e1 + b2 e2) is off by u |p| for the last sum and 4 u (|b1 e1| + |b2 e2|) for
+ * what it adds, in each coordinate, of which the normal takes its share. Barycentrics that are off
+ * move the point within the plane only. Adding the offset rounds once more, u |p|.
+ *
+ * The vertices of a neighbour that is coplanar but for rounding are off by u |p| each, and its
+ * plane by some of that: 4 u |p| is given to it.
+ *
+ * The ray's distance is Ng . (p0 - o) / |Ng| with edges and Ng in float: off by 3 u |p0 - o| for
+ * the sum of products, and by |p0 - o| times the error of Ng's direction, 3 u |e| |e'| / |Ng| with
+ * the two shorter edges. As |p0 - o| is at most the longest edge, that is 3 u times the product of
+ * the three edges over |Ng|: the diameter D of the circumscribed circle, which is no shorter than
+ * any edge.
+ *
+ * Together u (6 n.|p| + 10 D); FLT_EPSILON is 2 u. */
+static void set_position(const hit_place *place, float inverse_area2, air_surface *out)
+{
+    const float *positions = place->mesh->positions;
+    const air_vec3 p0 = vec3_load(positions + 3 * (size_t)place->corners[0]);
+    const air_vec3 e1 = vec3_sub(vec3_load(positions + 3 * (size_t)place->corners[1]), p0);
+    const air_vec3 e2 = vec3_sub(vec3_load(positions + 3 * (size_t)place->corners[2]), p0);
+    const air_vec3 p = vec3_add(p0, vec3_madd(vec3_scale(e1, place->b[1]), place->b[2], e2));
+    const float edges = vec3_length(e1) * vec3_length(e2) * vec3_length(vec3_sub(e2, e1));
+    const float coordinate =
+        fabsf(out->normal.x * p.x) + fabsf(out->normal.y * p.y) + fabsf(out->normal.z * p.z);
+    out->position = p;
+    out->offset = FLT_EPSILON * (3.0f * coordinate + 5.0f * (edges * inverse_area2));
+}
+
+/* ---- attributes ---- */
+
+/* The barycentric mean of `width` floats per vertex. */
+static void interpolate(const hit_place *place, const float *values, size_t width, float *out)
+{
+    const float *v0 = values + width * place->corners[0];
+    const float *v1 = values + width * place->corners[1];
+    const float *v2 = values + width * place->corners[2];
+    for (size_t i = 0; i < width; ++i)
+        out[i] = place->b[0] * v0[i] + place->b[1] * v1[i] + place->b[2] * v2[i];
+}
+
+/* RGBA of a slot's texture at the hit. Meshes without these coordinates are at (0, 0). */
+static void sample_slot(const hit_place *place, const air_texture_slot *slot, float out_rgba[4])
+{
+    float uv[2] = {0.0f, 0.0f};
+    if (place->mesh->uv[slot->uv_set] != NULL)
+        interpolate(place, place->mesh->uv[slot->uv_set], 2, uv);
+    air_texture_slot_uv(slot, uv, uv);
+    air_texture_lookup(slot->texture, uv[0], uv[1], out_rgba);
+}
+
+/* Base colour and alpha: factor, texture and vertex colour multiplied. */
+static void base_color(const hit_place *place, float out_rgba[4])
+{
+    const air_material *material = place->material;
+    vec3_store(out_rgba, material->base_color);
+    out_rgba[3] = material->alpha;
+    float factor[4];
+    if (material->base_color_slot.texture != NULL) {
+        sample_slot(place, &material->base_color_slot, factor);
+        for (size_t i = 0; i < 4; ++i)
+            out_rgba[i] *= factor[i];
+    }
+    if (place->mesh->colors != NULL) {
+        interpolate(place, place->mesh->colors, 4, factor);
+        for (size_t i = 0; i < 4; ++i)
+            out_rgba[i] *= factor[i];
+    }
+}
+
+static float coverage(const air_material *material, float alpha)
+{
+    if (material->alpha_mode == AIR_ALPHA_OPAQUE)
+        return 1.0f;
+    if (material->alpha_mode == AIR_ALPHA_MASK)
+        return alpha >= material->alpha_cutoff ? 1.0f : 0.0f;
+    return fminf(fmaxf(alpha, 0.0f), 1.0f);
+}
+
+float air_surface_alpha(const air_snapshot *snapshot, const air_hit *hit)
+{
+    const hit_place place = find_place(snapshot, hit);
+    if (place.material->alpha_mode == AIR_ALPHA_OPAQUE)
+        return 1.0f;
+    float rgba[4];
+    base_color(&place, rgba);
+    return coverage(place.material, rgba[3]);
+}
+
+/* ---- normals ---- */
+
+/* The interpolated vertex normal, unit, on the side of the geometric one; that one where there is
+ * none. Files whose normals point to the back of their triangles are common. */
+static air_vec3 shading_normal(const hit_place *place, air_vec3 geometric)
+{
+    if (place->mesh->normals == NULL)
+        return geometric;
+    float values[3];
+    interpolate(place, place->mesh->normals, 3, values);
+    const air_vec3 n = vec3_load(values);
+    const float length = vec3_length(n);
+    if (!(length > 1e-6f)) /* normals that cancel have no direction but that of rounding */
+        return geometric;
+    const float side = vec3_dot(n, geometric) < 0.0f ? -1.0f : 1.0f;
+    return vec3_scale(n, side / length);
+}
+
+/* The directions in which the normal map's coordinates grow, from how its texture lies on the
+ * triangle; v runs downwards, so the map's y axis is -dp/dv. *sign is that of the bitangent against
+ * normal x tangent. */
+static air_vec3 tangent_from_uv(const hit_place *place, air_vec3 normal, float *sign)
+{
+    const air_texture_slot *slot = &place->material->normal_slot;
+    const float *uv = place->mesh->uv[slot->uv_set];
+    if (uv == NULL)
+        return vec3_set1(0.0f);
+    air_vec3 p[3];
+    float at[3][2];
+    for (size_t i = 0; i < 3; ++i) {
+        p[i] = vec3_load(place->mesh->positions + 3 * (size_t)place->corners[i]);
+        air_texture_slot_uv(slot, uv + 2 * (size_t)place->corners[i], at[i]);
+    }
+    const air_vec3 e1 = vec3_sub(p[1], p[0]), e2 = vec3_sub(p[2], p[0]);
+    const float u1 = at[1][0] - at[0][0], v1 = at[1][1] - at[0][1];
+    const float u2 = at[2][0] - at[0][0], v2 = at[2][1] - at[0][1];
+    /* dp/du and -dp/dv times the area in uv, whose sign is put back */
+    const float turn = u1 * v2 - u2 * v1 < 0.0f ? -1.0f : 1.0f;
+    const air_vec3 along_u = vec3_scale(vec3_sub(vec3_scale(e1, v2), vec3_scale(e2, v1)), turn);
+    const air_vec3 against_v = vec3_scale(vec3_sub(vec3_scale(e1, u2), vec3_scale(e2, u1)), turn);
+    *sign = vec3_dot(vec3_cross(normal, along_u), against_v) < 0.0f ? -1.0f : 1.0f;
+    return along_u;
+}
+
+/* Turns the shading normal by the normal map. */
+static air_vec3 mapped_normal(const hit_place *place, air_vec3 normal, air_vec3 geometric)
+{
+    float sign = 1.0f, rgba[4];
+    air_vec3 tangent;
+    if (place->mesh->tangents != NULL) {
+        float values[4];
+        interpolate(place, place->mesh->tangents, 4, values);
+        tangent = vec3_load(values);
+        sign = values[3] < 0.0f ? -1.0f : 1.0f;
+    } else {
+        tangent = tangent_from_uv(place, normal, &sign);
+    }
+    tangent = vec3_madd(tangent, -vec3_dot(tangent, normal), normal);
+    const float length = vec3_length(tangent);
+    if (!(length > 0.0f))
+        return normal;
+    tangent = vec3_scale(tangent, 1.0f / length);
+    const air_vec3 bitangent = vec3_scale(vec3_cross(normal, tangent), sign);
+
+    sample_slot(place, &place->material->normal_slot, rgba);
+    const float scale = place->material->normal_scale;
+    const air_vec3 local = vec3((2.0f * rgba[0] - 1.0f) * scale, (2.0f * rgba[1] - 1.0f) * scale,
+                                2.0f * rgba[2] - 1.0f);
+    air_vec3 mapped =
+        vec3_madd(vec3_madd(vec3_scale(tangent, local.x), local.y, bitangent), local.z, normal);
+    /* a map may point below the triangle: lift it to just above, or the reflection would turn it
+     * round */
+    const float mapped_length = vec3_length(mapped);
+    if (!(mapped_length > 0.0f))
+        return normal;
+    mapped = vec3_scale(mapped, 1.0f / mapped_length);
+    const float height = vec3_dot(mapped, geometric);
+    if (height < 0.01f)
+        mapped = vec3_normalize(vec3_madd(mapped, 0.01f - height, geometric));
+    return mapped;
+}
+
+/* ---- the whole ---- */
+
+static void set_textured(const hit_place *place, air_bsdf_input *input, air_surface *out)
+{
+    const air_material *material = place->material;
+    float rgba[4];
+    base_color(place, rgba);
+    input->base_color = vec3_load(rgba);
+    out->alpha = coverage(material, rgba[3]);
+    if (material->metallic_roughness_slot.texture != NULL) {
+        sample_slot(place, &material->metallic_roughness_slot, rgba);
+        input->roughness *= rgba[1];
+        input->metallic *= rgba[2];
+    }
+    if (material->normal_slot.texture != NULL)
+        input->shading_normal =
+            mapped_normal(place, input->shading_normal, input->geometric_normal);
+    if (material->emission_slot.texture != NULL && !vec3_is_zero(out->emission)) {
+        sample_slot(place, &material->emission_slot, rgba);
+        out->emission = vec3_mul(out->emission, vec3_load(rgba));
+    }
+}
+
+void air_surface_make(const air_snapshot *snapshot, const air_hit *hit, air_vec3 dir,
+                      air_surface *out)
+{
+    const hit_place place = find_place(snapshot, hit);
+    const air_mesh *mesh = place.mesh;
+    const air_material *material = place.material;
+
+    const air_vec3 area2 = vec3_load(hit->normal);
+    const float inverse_area2 = 1.0f / vec3_length(area2);
+    out->normal = vec3_scale(area2, mesh->flip ? -inverse_area2 : inverse_area2);
+    set_position(&place, inverse_area2, out);
+
+    const bool front = vec3_dot(out->normal, dir) < 0.0f;
+    out->emission = front || material->double_sided ? material->emission : vec3_set1(0.0f);
+    out->emitter =
+        mesh->first_emitter == UINT32_MAX ? UINT32_MAX : mesh->first_emitter + hit->triangle;
+    out->alpha = 1.0f;
+
+    air_bsdf_input input = {.base_color = material->base_color,
+                            .metallic = material->metallic,
+                            .roughness = material->roughness,
+                            .specular = material->specular,
+                            .ior = material->ior,
+                            .shading_normal = shading_normal(&place, out->normal),
+                            .geometric_normal = out->normal,
+                            .wo = vec3_neg(dir)};
+    if (material->textured || mesh->colors != NULL || material->alpha_mode != AIR_ALPHA_OPAQUE)
+        set_textured(&place, &input, out);
+    if (material->unlit) {
+        /* a picture of itself, from both sides */
+        out->emission = input.base_color;
+        input.base_color = vec3_set1(0.0f);
+        input.metallic = 0.0f;
+        input.specular = 0.0f;
+    }
+    air_bsdf_make(&input, &out->bsdf);
+}

@@ -1,0 +1,205 @@
+/* Cameras: rays, framing, checking. */
+#include <math.h>
+
+#include "core/random.h"
+#include "scene/camera.h"
+#include "scene_fixture.h"
+
+static void assert_near(air_vec3 a, air_vec3 b, float tolerance)
+{
+    if (!(vec3_length(vec3_sub(a, b)) <= tolerance))
+        fail_msg("(%g %g %g) is not (%g %g %g)", (double)a.x, (double)a.y, (double)a.z, (double)b.x,
+                 (double)b.y, (double)b.z);
+}
+
+static air_camera camera_of(air_camera_kind kind)
+{
+    return (air_camera){.kind = kind,
+                        .to_world = {1, 0, 0, 1, 0, 1, 0, 2, 0, 0, 1, 3},
+                        .fov_y_rad = AIR_PI_F / 2.0f,
+                        .half_height = 2.0f,
+                        .aspect = 1.0f};
+}
+
+static void perspective_rays_span_the_vertical_field_of_view(void **state)
+{
+    const air_camera camera = camera_of(AIR_CAMERA_PERSPECTIVE);
+    air_vec3 origin, dir;
+    (void)state;
+    air_camera_ray(&camera, 200, 100, 100.0f, 50.0f, &origin, &dir);
+    assert_near(origin, vec3(1, 2, 3), 0.0f);
+    assert_near(dir, vec3(0, 0, -1), 1e-6f);
+    /* 90 degrees vertically: the upper edge is 45 degrees up; twice as wide, the left edge is at
+     * slope 2 */
+    air_camera_ray(&camera, 200, 100, 100.0f, 0.0f, &origin, &dir);
+    assert_near(dir, vec3_normalize(vec3(0, 1, -1)), 1e-6f);
+    air_camera_ray(&camera, 200, 100, 0.0f, 50.0f, &origin, &dir);
+    assert_near(dir, vec3_normalize(vec3(-2, 0, -1)), 1e-6f);
+    air_camera_ray(&camera, 200, 100, 200.0f, 100.0f, &origin, &dir);
+    assert_near(dir, vec3_normalize(vec3(2, -1, -1)), 1e-6f);
+}
+
+static void orthographic_rays_are_parallel_and_start_in_a_plane(void **state)
+{
+    const air_camera camera = camera_of(AIR_CAMERA_ORTHOGRAPHIC);
+    air_vec3 origin, dir;
+    (void)state;
+    air_camera_ray(&camera, 300, 100, 0.0f, 0.0f, &origin, &dir);
+    assert_near(dir, vec3(0, 0, -1), 0.0f);
+    assert_near(origin, vec3(1 - 6, 2 + 2, 3), 1e-6f);
+    air_camera_ray(&camera, 300, 100, 300.0f, 100.0f, &origin, &dir);
+    assert_near(dir, vec3(0, 0, -1), 0.0f);
+    assert_near(origin, vec3(1 + 6, 2 - 2, 3), 2e-6f);
+}
+
+/* Where a point appears, in pixels; the inverse of a perspective ray. */
+static void project(const air_camera *camera, size_t width, size_t height, air_vec3 point, float *x,
+                    float *y)
+{
+    const float *m = camera->to_world;
+    const air_vec3 d = vec3_sub(point, vec3(m[3], m[7], m[11]));
+    const float right = m[0] * d.x + m[4] * d.y + m[8] * d.z;
+    const float up = m[1] * d.x + m[5] * d.y + m[9] * d.z;
+    const float front = -(m[2] * d.x + m[6] * d.y + m[10] * d.z);
+    const float slope = tanf(0.5f * camera->fov_y_rad) * front;
+    assert_true(front > 0.0f);
+    *x = 0.5f * (float)width + 0.5f * (float)height * right / slope;
+    *y = 0.5f * (float)height - 0.5f * (float)height * up / slope;
+}
+
+static air_camera framed(air_context *context, const float low[3], const float high[3])
+{
+    air_camera_desc desc;
+    air_record *record = NULL;
+    air_camera_frame(low, high, &desc);
+    assert_int_equal(air_camera_record_create(context, &desc, &record), AIR_OK);
+    const air_camera_desc *kept = &((air_camera_record *)record)->desc;
+    air_camera camera = {.kind = kept->kind, .fov_y_rad = kept->fov_y_rad, .aspect = kept->aspect};
+    memcpy(camera.to_world, kept->to_world, sizeof camera.to_world);
+    air_record_release(record);
+    return camera;
+}
+
+static void framing_shows_all_corners_and_fills_the_picture(void **state)
+{
+    air_context *context = fixture_context();
+    air_rng rng = air_rng_from_keys(1, 1);
+    (void)state;
+    for (int i = 0; i < 1000; ++i) {
+        float low[3], high[3];
+        for (size_t axis = 0; axis < 3; ++axis) {
+            low[axis] = 20.0f * air_rng_float(&rng) - 10.0f;
+            high[axis] = low[axis] + powf(10.0f, 4.0f * air_rng_float(&rng) - 2.0f);
+        }
+        const air_camera camera = framed(context, low, high);
+        float reach = 0.0f;
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            const air_vec3 p = vec3(corner & 1 ? high[0] : low[0], corner & 2 ? high[1] : low[1],
+                                    corner & 4 ? high[2] : low[2]);
+            float x, y;
+            project(&camera, 640, 480, p, &x, &y);
+            assert_true(x > 0.0f && x < 640.0f && y > 0.0f && y < 480.0f);
+            reach = fmaxf(reach, fmaxf(fabsf(x - 320.0f) / 320.0f, fabsf(y - 240.0f) / 240.0f));
+        }
+        /* 95 % of the picture, to the accuracy with which float positions 10 m from the origin tell
+         * boxes of 1 cm */
+        assert_true(fabsf(reach - 0.95f) < 1e-3f);
+    }
+    air_context_destroy(context);
+}
+
+static void framing_looks_from_the_front_and_above_with_the_horizon_level(void **state)
+{
+    air_context *context = fixture_context();
+    const float low[3] = {0, 0, 0}, high[3] = {4, 3, 5};
+    (void)state;
+    const air_camera camera = framed(context, low, high);
+    const float *m = camera.to_world;
+    assert_true(m[2] > 0.0f && m[6] > 0.0f && m[10] > 0.5f); /* back: right, up and mostly front */
+    assert_true(m[4] == 0.0f && m[5] > 0.0f);
+    air_context_destroy(context);
+}
+
+static void nothing_to_frame_still_gives_a_camera(void **state)
+{
+    air_context *context = fixture_context();
+    const float none_low[3] = {INFINITY, INFINITY, INFINITY};
+    const float none_high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    const float point[3] = {1e6f, 0, 0};
+    (void)state;
+    air_camera camera = framed(context, none_low, none_high);
+    assert_true(vec3_is_finite(vec3(camera.to_world[3], camera.to_world[7], camera.to_world[11])));
+    camera = framed(context, point, point);
+    float x, y;
+    project(&camera, 640, 480, vec3_load(point), &x, &y);
+    assert_true(fabsf(x - 320.0f) < 40.0f &&
+                fabsf(y - 240.0f) < 40.0f); /* 1/16 m in 1 m: the ulp of 1e6 */
+    air_context_destroy(context);
+}
+
+static void scale_shear_and_mirroring_of_cameras_are_dropped(void **state)
+{
+    air_context *context = fixture_context();
+    air_camera_desc desc;
+    air_record *record = NULL;
+    (void)state;
+    air_camera_desc_default(&desc);
+    const float map[12] = {-3, 0.5f, 0, 7, 0, 2, 0, 8, 0, 1, 5, 9};
+    memcpy(desc.to_world, map, sizeof map);
+    assert_int_equal(air_camera_record_create(context, &desc, &record), AIR_OK);
+    const float *m = ((air_camera_record *)record)->desc.to_world;
+    assert_near(vec3(m[2], m[6], m[10]), vec3(0, 0, 1), 1e-6f);
+    assert_near(vec3(m[3], m[7], m[11]), vec3(7, 8, 9), 0.0f);
+    const air_vec3 x = vec3(m[0], m[4], m[8]), y = vec3(m[1], m[5], m[9]),
+                   z = vec3(m[2], m[6], m[10]);
+    assert_near(vec3_cross(x, y), z, 1e-6f);
+    assert_true(fabsf(vec3_length(x) - 1.0f) < 1e-6f && fabsf(vec3_length(y) - 1.0f) < 1e-6f);
+    assert_true(y.y > 0.9f);
+    air_record_release(record);
+    air_context_destroy(context);
+}
+
+static void bad_cameras_are_refused_by_field(void **state)
+{
+    air_context *context = fixture_context();
+    air_scene *scene = fixture_scene(context);
+    air_camera_desc good;
+    air_handle handle = 77;
+    (void)state;
+    air_camera_desc_default(&good);
+    good.name = "view";
+    air_camera_desc bad[6] = {good, good, good, good, good, good};
+    bad[0].fov_y_rad = 3.2f;
+    bad[1].kind = AIR_CAMERA_ORTHOGRAPHIC;
+    bad[1].half_height = 0.0f;
+    bad[2].aspect = NAN;
+    bad[3].to_world[3] = INFINITY;
+    bad[4].to_world[10] = 0.0f; /* looks nowhere */
+    bad[5].to_world[9] = 1.0f;  /* up is along the view */
+    bad[5].to_world[5] = 0.0f;
+    const char *const parts[6] = {
+        "fov_y_rad is 3.2",   "half_height is 0",        "aspect is",
+        "to_world[3] is inf", "to_world has no viewing", "to_world has no viewing"};
+    for (size_t i = 0; i < 6; ++i) {
+        assert_int_equal(air_scene_add_camera(scene, &bad[i], &handle), AIR_ERROR_ARGUMENT);
+        fixture_expect_message(context, "camera \"view\": ");
+        fixture_expect_message(context, parts[i]);
+        assert_int_equal(handle, 77);
+    }
+    air_scene_destroy(scene);
+    air_context_destroy(context);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(perspective_rays_span_the_vertical_field_of_view),
+        cmocka_unit_test(orthographic_rays_are_parallel_and_start_in_a_plane),
+        cmocka_unit_test(framing_shows_all_corners_and_fills_the_picture),
+        cmocka_unit_test(framing_looks_from_the_front_and_above_with_the_horizon_level),
+        cmocka_unit_test(nothing_to_frame_still_gives_a_camera),
+        cmocka_unit_test(scale_shear_and_mirroring_of_cameras_are_dropped),
+        cmocka_unit_test(bad_cameras_are_refused_by_field),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
