@@ -9,7 +9,7 @@
 
 #include "progress.h"
 
-enum { NAME_LENGTH_MAX = 40, CHOICE_TEXT_MAX = 160 };
+enum { NAME_LENGTH_MAX = 40, CHOICE_TEXT_MAX = 160, OPTION_MAX = 128 };
 
 /* ---- likeness ---- */
 
@@ -118,17 +118,9 @@ static bool value_failed(const cli_option *option, const char *text, const char 
 static bool number_failed(const cli_option *option, const char *text, const char *what)
 {
     char expected[CHOICE_TEXT_MAX];
-    const char *const separator = option->word != NULL ? ", or " : "";
-    const char *const word = option->word != NULL ? option->word : "";
-    if (isinf(option->max) && isinf(option->min)) {
-        snprintf(expected, sizeof expected, "%s%s%s", what, separator, word);
-    } else if (isinf(option->max)) {
-        snprintf(expected, sizeof expected, "%s of at least %.10g%s%s", what, option->min,
-                 separator, word);
-    } else {
-        snprintf(expected, sizeof expected, "%s from %.10g to %.10g%s%s", what, option->min,
-                 option->max, separator, word);
-    }
+    snprintf(expected, sizeof expected, "%s from %.10g to %.10g%s%s", what, option->min,
+             option->max, option->word != NULL ? ", or " : "",
+             option->word != NULL ? option->word : "");
     return value_failed(option, text, expected);
 }
 
@@ -303,21 +295,17 @@ static const cli_option *find_option(const cli_parser *parser, const char *name,
 static void unknown_option(const cli_parser *parser, const char *name, size_t length)
 {
     char wanted[NAME_LENGTH_MAX + 1];
-    const char *nearest = "help";
+    const char *names[OPTION_MAX + 2] = {"help"};
+    size_t count = 1;
     snprintf(wanted, sizeof wanted, "%.*s",
              (int)(length < NAME_LENGTH_MAX ? length : NAME_LENGTH_MAX), name);
-    size_t least = unlikeness(wanted, nearest);
     for (size_t g = 0; g < parser->group_count; g++) {
-        for (size_t i = 0; i < parser->groups[g].count; i++) {
-            const char *const candidate = parser->groups[g].options[i].name;
-            const size_t distance = unlikeness(wanted, candidate);
-            if (distance < least) {
-                least = distance;
-                nearest = candidate;
-            }
+        for (size_t i = 0; i < parser->groups[g].count && count <= OPTION_MAX; i++) {
+            names[count++] = parser->groups[g].options[i].name;
         }
     }
-    if (least != SIZE_MAX) {
+    const char *const nearest = cli_nearest(wanted, names);
+    if (nearest != NULL) {
         cli_say(NULL, AIR_MESSAGE_ERROR, "unknown option --%s of %s (did you mean --%s?)", wanted,
                 parser->usage->command, nearest);
     } else {

@@ -231,7 +231,7 @@ float cli_output_exposure(const cli_output_options *options, const air_image *im
 }
 
 cli_exit cli_output_image(cli_host *host, const cli_output_options *options, const char *path,
-                          air_image *image, float exposure_ev)
+                          const air_image *image, float exposure_ev)
 {
     air_image_save_params params;
     air_image_save_params_default(&params);

@@ -58,8 +58,8 @@ float cli_output_exposure(const cli_output_options *options, const air_image *im
 cli_exit cli_output_image(cli_host *host, const cli_output_options *options, const char *path,
                           const air_image *image, float exposure_ev);
 
-/* Resolves the film and writes every output. Films are saved as they are: attributes they should
- * carry must be on them. With `partial`, everything goes to NAME.partial.EXT. */
+/* Resolves the film and writes every output; images get the attributes and their exposure. Films
+ * are saved as they are. With `partial`, everything goes to NAME.partial.EXT. */
 cli_exit cli_output_film(cli_host *host, const cli_output_options *options, const air_film *film,
                          const cli_attributes *attributes, bool partial, cli_written *out_written);
 /* Removes the files that cli_output_film wrote with `partial`. */

@@ -1,4 +1,5 @@
-/* image_fixture.h: what the tests of images share: a context, a folder that is removed, small images, numbers. */
+/* image_fixture.h: what the tests of images share: a context, a folder that is removed, small
+ * images, numbers. */
 #ifndef AIR_TESTS_IMAGE_FIXTURE_H
 #define AIR_TESTS_IMAGE_FIXTURE_H
 
@@ -111,7 +112,8 @@ static inline size_t image_read_file(const char *path, uint8_t *data, size_t cap
     return size;
 }
 
-/* Loading `path` fails with `status`, a message that names the file and contains `part`, and no image. */
+/* Loading `path` fails with `status`, a message that names the file and contains `part`, and no
+ * image. */
 static inline void image_check_refused(image_fixture *self, const char *path, air_status status,
                                        const char *part)
 {

@@ -1,4 +1,5 @@
-/* path_probe.h: asking the path tracer directly: radiance along a ray and fluence at a point, with standard errors. */
+/* path_probe.h: asking the path tracer directly: radiance along a ray and fluence at a point, with
+ * standard errors. */
 #ifndef AIR_TESTS_PATH_PROBE_H
 #define AIR_TESTS_PATH_PROBE_H
 
@@ -34,7 +35,8 @@ static inline air_vec3 probe_direction(const probe *p, air_f32x4 u)
 }
 
 static inline void probe_replicate(const air_path *path, const air_sobol *sobol, const probe *p,
-                                   air_path_scratch *scratch, uint32_t replicate, double sum[AIR_TERM_COUNT][3])
+                                   air_path_scratch *scratch, uint32_t replicate,
+                                   double sum[AIR_TERM_COUNT][3])
 {
     const double scale = (p->dir != NULL ? 1.0 : 4.0 * AIR_PI) / p->samples;
     for (uint32_t s = 0; s < p->samples; s += AIR_PATH_LANES) {

@@ -35,7 +35,8 @@ static inline air_status room_add_square(air_scene *scene, float y, float w, air
 static inline air_status room_add_lights(air_scene *scene)
 {
     static const float window[12] = {-0.6f, 2, 0, -0.1f, 2, 0, -0.1f, 2, 1, -0.6f, 2, 1};
-    static const float panel[12] = {0.3f, 1.2f, -0.5f, 0.8f, 1.2f, -0.5f, 0.8f, 1.2f, 0.2f, 0.3f, 1.2f, 0.2f};
+    static const float panel[12] = {0.3f, 1.2f, -0.5f, 0.8f, 1.2f, -0.5f,
+                                    0.8f, 1.2f, 0.2f,  0.3f, 1.2f, 0.2f};
     const air_gobo_window windows[1] = {{window, 4}};
     air_light_desc light;
     air_handle handle;
@@ -74,7 +75,10 @@ static inline air_status room_add_grid_medium(air_scene *scene)
     air_medium_desc medium;
     air_handle handle;
     const float step = 1.0f / SIDE;
-    air_grid_desc grid = {"puff", {SIDE, SIDE, SIDE}, 1, values,
+    air_grid_desc grid = {"puff",
+                          {SIDE, SIDE, SIDE},
+                          1,
+                          values,
                           {step, 0, 0, -0.5f, 0, step, 0, 0.2f, 0, 0, step, -0.5f}};
     for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
         values[i] = fmaxf(0.0f, 2.0f * air_rng_float(&rng) - 0.5f);
@@ -88,8 +92,10 @@ static inline air_status room_add_grid_medium(air_scene *scene)
     return status == AIR_OK ? air_scene_add_medium(scene, &medium, &handle) : status;
 }
 
-/* A floor, an emissive patch above it, four kinds of lights, a box of haze, and on demand a grid of smoke. */
-static inline air_status room_make(air_context *context, bool with_grid, air_snapshot **out_snapshot)
+/* A floor, an emissive patch above it, four kinds of lights, a box of haze, and on demand a grid of
+ * smoke. */
+static inline air_status room_make(air_context *context, bool with_grid,
+                                   air_snapshot **out_snapshot)
 {
     air_scene *scene = NULL;
     air_material_desc material;

@@ -139,8 +139,19 @@ static void terms_sum_to_beauty_and_a_ratio_divides_its_sums(void **state)
     air_film_layout_add(&description.layout, AIR_SLOT_GUIDE, "depth", 1);
     assert_int_equal(air_film_create(context, &description, &film), AIR_OK);
     assert_int_equal(air_film_node_create(film, 0, 16, &node), AIR_OK);
-    const double sums[13] = {16, 32, 48, /* analytic */ 8, 8, 8, /* unoccluded */ 4, 4, 0,
-                             /* occluded */ 1, 3, 0, /* depth */ 80};
+    const double sums[13] = {16,
+                             32,
+                             48,
+                             /* analytic */ 8,
+                             8,
+                             8,
+                             /* unoccluded */ 4,
+                             4,
+                             0,
+                             /* occluded */ 1,
+                             3,
+                             0,
+                             /* depth */ 80};
     memcpy(node.sums, sums, sizeof sums);
     assert_int_equal(air_film_add(film, &node), AIR_OK);
     assert_int_equal(air_film_resolve(film, NULL, &image), AIR_OK);

@@ -47,9 +47,9 @@ static void impossible_images_are_refused(void **state)
     const struct {
         size_t width, height, count;
         const char *const *names;
-    } cases[] = {{0, 1, 1, good},  {1, 0, 1, good},  {65536, 1, 1, good}, {1, 65536, 1, good},
-                 {1, 1, 0, good},  {1, 1, 1024, good}, {1, 1, 2, twice},    {1, 1, 1, empty},
-                 {1, 1, 1, missing}};
+    } cases[] = {{0, 1, 1, good},     {1, 0, 1, good},  {65536, 1, 1, good},
+                 {1, 65536, 1, good}, {1, 1, 0, good},  {1, 1, 1024, good},
+                 {1, 1, 2, twice},    {1, 1, 1, empty}, {1, 1, 1, missing}};
     image_fixture *self = *state;
     for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
         air_image *image = NULL;

@@ -13,8 +13,8 @@ static float sample(size_t channel, size_t x, size_t y)
 static air_image *make_layers(image_fixture *self, size_t width, size_t height)
 {
     /* Not in alphabetical order, names longer than 31 characters among them. */
-    static const char *const names[6] = {"S0.R", "R", "G", "B", "A",
-                                         "a layer with a long name, truly long.R"};
+    static const char *const names[6] = {"S0.R", "R", "G",
+                                         "B",    "A", "a layer with a long name, truly long.R"};
     air_image *image = image_make(self, width, height, 6, names);
     for (size_t c = 0; c < 6; c++) {
         for (size_t y = 0; y < height; y++) {
@@ -140,8 +140,7 @@ static void half_clamps_what_it_cannot_hold_and_says_so(void **state)
     const float values[4] = {68300.0f, -1e9f, INFINITY, 65504.0f};
     memcpy(air_image_plane(image, 0), values, sizeof(values));
     air_image *back = save_and_load(self, image, true);
-    const float *const red =
-        air_image_plane_const(back, (size_t)air_image_find_channel(back, "R"));
+    const float *const red = air_image_plane_const(back, (size_t)air_image_find_channel(back, "R"));
     assert_true(red[0] == 65504.0f && red[1] == -65504.0f);
     assert_true(isinf(red[2]) && red[3] == 65504.0f);
     assert_int_equal(self->warnings, 1);
@@ -215,8 +214,7 @@ static void encode_chunk(exr_context_t file, int part, const foreign *f,
             }
         }
         exr_coding_channel_info_t *const channel = &encode.channels[c];
-        channel->user_data_type =
-            f->types[c] == EXR_PIXEL_UINT ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT;
+        channel->user_data_type = f->types[c] == EXR_PIXEL_UINT ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT;
         channel->user_bytes_per_element = 4;
         channel->user_pixel_stride = 4;
         channel->user_line_stride = 4 * chunk->width;
@@ -235,18 +233,17 @@ static void declare_part(exr_context_t file, int part, const foreign *f)
     assert_int_equal(exr_add_part(file, part == 0 ? "first" : "second", f->storage, &index),
                      EXR_ERR_SUCCESS);
     assert_int_equal(exr_initialize_required_attr(file, part, &f->display, &f->data, 1.0f, &centre,
-                                                  1.0f, EXR_LINEORDER_INCREASING_Y,
-                                                  f->compression),
+                                                  1.0f, EXR_LINEORDER_INCREASING_Y, f->compression),
                      EXR_ERR_SUCCESS);
     if (f->storage == EXR_STORAGE_TILED) {
-        assert_int_equal(exr_set_tile_descriptor(file, part, 16, 16, EXR_TILE_ONE_LEVEL,
-                                                 EXR_TILE_ROUND_DOWN),
-                         EXR_ERR_SUCCESS);
+        assert_int_equal(
+            exr_set_tile_descriptor(file, part, 16, 16, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN),
+            EXR_ERR_SUCCESS);
     }
     for (int c = 0; c < 3; c++) {
-        assert_int_equal(exr_add_channel(file, part, names[c], f->types[c],
-                                         EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1),
-                         EXR_ERR_SUCCESS);
+        assert_int_equal(
+            exr_add_channel(file, part, names[c], f->types[c], EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1),
+            EXR_ERR_SUCCESS);
     }
 }
 
@@ -274,9 +271,9 @@ static void write_part(exr_context_t file, int part, const foreign *f)
 static void write_foreign(image_fixture *self, const foreign *f)
 {
     exr_context_t file = NULL;
-    assert_int_equal(exr_start_write(&file, image_fixture_path(self, "b.exr"),
-                                     EXR_WRITE_FILE_DIRECTLY, NULL),
-                     EXR_ERR_SUCCESS);
+    assert_int_equal(
+        exr_start_write(&file, image_fixture_path(self, "b.exr"), EXR_WRITE_FILE_DIRECTLY, NULL),
+        EXR_ERR_SUCCESS);
     for (int part = 0; part < f->parts; part++) {
         declare_part(file, part, f);
     }
@@ -306,8 +303,7 @@ static void check_foreign(image_fixture *self, const foreign *f)
                 const bool inside = x >= f->data.min.x && x <= f->data.max.x &&
                                     y >= f->data.min.y && y <= f->data.max.y;
                 const float expected = inside ? (float)foreign_value(c, x, y) : 0.0f;
-                const size_t i =
-                    (size_t)((y - f->display.min.y) * width + (x - f->display.min.x));
+                const size_t i = (size_t)((y - f->display.min.y) * width + (x - f->display.min.x));
                 assert_true(air_image_plane(image, (size_t)k)[i] == expected);
             }
         }
@@ -456,7 +452,8 @@ static void absurd_sizes_are_refused_with_the_size(void **state)
     const uint8_t wide[8] = {0xFE, 0xFF, 0, 0, 29, 0, 0, 0};
     memcpy(max, wide, sizeof(wide));
     image_write_file(self, "b.exr", data, size);
-    image_check_refused(self, self->path, AIR_ERROR_FORMAT, ""); /* as wide as may be, but no data */
+    image_check_refused(self, self->path, AIR_ERROR_FORMAT,
+                        ""); /* as wide as may be, but no data */
     const uint8_t large[8] = {0xFE, 0xFF, 0, 0, 0xFE, 0xFF, 0, 0};
     memcpy(max, large, sizeof(large));
     image_write_file(self, "b.exr", data, size);

@@ -19,15 +19,15 @@ static size_t make_hdr(uint8_t *out, const char *size, const uint8_t *pixels, si
     return header + strlen(size) + count;
 }
 
-/* Two rows of 8 pixels. First: mantissas R a run of 128, G eight literals 0, 16, .., B a run of 3 of 255 and a run of 5 of
- * 1, exponents a run of 129, that is times 2^(129-136) = 1/128. Second: all runs, exponent 0, which means black. */
-static const uint8_t rle_rows[] = {
-    2,   2,   0, 8, /* new style scanline of 8 */
-    136, 128,                            /* R: run of 8 */
-    8,   0,   16, 32, 48, 64, 80, 96, 112, /* G: 8 literals */
-    131, 255, 133, 1,                    /* B: runs of 3 and 5 */
-    136, 129,                            /* E */
-    2,   2,   0, 8, 136, 200, 136, 200, 136, 200, 136, 0};
+/* Two rows of 8 pixels. First: mantissas R a run of 128, G eight literals 0, 16, .., B a run of 3
+ * of 255 and a run of 5 of 1, exponents a run of 129, that is times 2^(129-136) = 1/128. Second:
+ * all runs, exponent 0, which means black. */
+static const uint8_t rle_rows[] = {2,   2,   0,   8, /* new style scanline of 8 */
+                                   136, 128,         /* R: run of 8 */
+                                   8,   0,   16,  32, 48,  64,  80,  96,  112, /* G: 8 literals */
+                                   131, 255, 133, 1, /* B: runs of 3 and 5 */
+                                   136, 129,         /* E */
+                                   2,   2,   0,   8,  136, 200, 136, 200, 136, 200, 136, 0};
 
 static void hdr_runs_and_literals_decode_to_the_numbers_they_mean(void **state)
 {
@@ -230,9 +230,9 @@ static void raw_view_writes_the_numbers_without_transfer_and_exposure(void **sta
     size_t height = 0;
     size_t channels = 0;
     uint8_t *bytes = NULL;
-    assert_int_equal(air_decode_bytes(self->context, data, size, "a.png", &width, &height,
-                                      &channels, &bytes),
-                     AIR_OK);
+    assert_int_equal(
+        air_decode_bytes(self->context, data, size, "a.png", &width, &height, &channels, &bytes),
+        AIR_OK);
     assert_true(width == 1 && height == 1 && channels == 3);
     assert_true(bytes[0] == 51 && bytes[1] == 0 && bytes[2] == 255);
     air_free(self->context, bytes);
@@ -329,8 +329,7 @@ static void truncated_and_damaged_png_is_refused(void **state)
     image_write_file(self, "a.png", file, size);
     image_check_refused(self, self->path, AIR_ERROR_FORMAT, "65535 x 65535");
     uint8_t hdr[256];
-    image_write_file(self, "a.png", hdr,
-                     make_hdr(hdr, "-Y 2 +X 8\n", rle_rows, sizeof(rle_rows)));
+    image_write_file(self, "a.png", hdr, make_hdr(hdr, "-Y 2 +X 8\n", rle_rows, sizeof(rle_rows)));
     image_check_refused(self, self->path, AIR_ERROR_FORMAT, "PNG or JPEG");
 }
 
@@ -447,9 +446,12 @@ static void pfm_of_either_byte_order_starts_with_the_lowest_row(void **state)
 
 static void damaged_pfm_is_refused(void **state)
 {
-    const char *const files[] = {"PX\n1 1\n-1\nabcd",    "PF\n-1 1\n-1\nabcd",
-                                 "PF\n1 x\n-1\nabcd",    "PF\n1 1\n0.0\nabcdabcdabcd",
-                                 "PF\n1 1\nnan\nabcdabcdabcd", "PF\n70000 1\n-1\n",
+    const char *const files[] = {"PX\n1 1\n-1\nabcd",
+                                 "PF\n-1 1\n-1\nabcd",
+                                 "PF\n1 x\n-1\nabcd",
+                                 "PF\n1 1\n0.0\nabcdabcdabcd",
+                                 "PF\n1 1\nnan\nabcdabcdabcd",
+                                 "PF\n70000 1\n-1\n",
                                  "PF\n99999999999999999999999999 1\n-1\n",
                                  "PF\n65535 65535\n-1\nabcd"};
     image_fixture *self = *state;

@@ -1,4 +1,5 @@
-/* FLIP against a direct computation of the papers' formulas, and against values of the published evaluator. */
+/* FLIP against a direct computation of the papers' formulas, and against values of the published
+ * evaluator. */
 #include "image/flip.h"
 #include "image_fixture.h"
 
@@ -14,9 +15,8 @@ typedef struct pictures {
 
 static air_flip_pair pair_of(const pictures *p, float pixels_per_degree)
 {
-    air_flip_pair pair = {.width = p->width,
-                          .height = p->height,
-                          .pixels_per_degree = pixels_per_degree};
+    air_flip_pair pair = {
+        .width = p->width, .height = p->height, .pixels_per_degree = pixels_per_degree};
     for (size_t c = 0; c < 3; c++) {
         pair.reference[c] = p->reference[c];
         pair.test[c] = p->test[c];
@@ -60,8 +60,9 @@ static void fill_random(image_fixture *self, pictures *p, size_t width, size_t h
 
 /* ---- the published evaluator ---- */
 
-/* Patterns of integers, so that they can be made anywhere; `values` below were computed for them with the Python package
- * flip-evaluator 1.7 (evaluate with inputsRGB=False, applyMagma=False and the ppd stated). */
+/* Patterns of integers, so that they can be made anywhere; `values` below were computed for them
+ * with the Python package flip-evaluator 1.7 (evaluate with inputsRGB=False, applyMagma=False and
+ * the ppd stated). */
 static void make_ldr(pictures *p)
 {
     p->width = 64;
@@ -100,20 +101,28 @@ static void make_hdr(pictures *p)
 
 static void flip_agrees_with_the_published_evaluator(void **state)
 {
-    static const size_t places[6] = {0,           11 * 64 + 21, 30 * 64 + 40,
-                                     24 * 64 + 32, 47 * 64 + 63, 20 * 64 + 30};
+    static const size_t places[6] = {
+        0, 11 * 64 + 21, 30 * 64 + 40, 24 * 64 + 32, 47 * 64 + 63, 20 * 64 + 30};
     static const struct {
         bool hdr;
         float pixels_per_degree;
         double mean, values[6];
     } cases[4] = {
-        {false, 67.0206f, 0.274749756,
+        {false,
+         67.0206f,
+         0.274749756,
          {0.037538890, 0.572846174, 0.415026158, 0.440542996, 0.172522366, 0.091177337}},
-        {false, 20.0f, 0.275880700,
+        {false,
+         20.0f,
+         0.275880700,
          {0.009157064, 0.928438365, 0.971529186, 0.617750227, 0.186572164, 0.090377592}},
-        {true, 67.0206f, 0.189201705,
+        {true,
+         67.0206f,
+         0.189201705,
          {0.305246741, 0.132496506, 0.206359521, 0.218293801, 0.072492220, 0.654472113}},
-        {true, 20.0f, 0.201643113,
+        {true,
+         20.0f,
+         0.201643113,
          {0.320781350, 0.018738626, 0.363079935, 0.307507753, 0.0, 0.985777557}},
     };
     pictures *p = calloc(1, sizeof(*p));
@@ -124,9 +133,9 @@ static void flip_agrees_with_the_published_evaluator(void **state)
             make_ldr(p);
         }
         const double mean = run(*state, p, cases[i].pixels_per_degree, cases[i].hdr);
-        /* Both are computed in float. A rounding of 1e-7 in a feature difference near 0 changes the exponent by its square
-         * root, 3e-4, and values d by up to 3e-4 d log d, 1e-4 at most; only where the difference is that near 0. Elsewhere,
-         * and in the mean, 1e-5. */
+        /* Both are computed in float. A rounding of 1e-7 in a feature difference near 0 changes the
+         * exponent by its square root, 3e-4, and values d by up to 3e-4 d log d, 1e-4 at most; only
+         * where the difference is that near 0. Elsewhere, and in the mean, 1e-5. */
         assert_true(fabs(mean - cases[i].mean) < 1e-5);
         for (size_t k = 0; k < 6; k++) {
             assert_true(fabs((double)p->map[places[k]] - cases[i].values[k]) < 1e-4);
@@ -144,9 +153,9 @@ static void exposures_agree_with_the_published_evaluator(void **state)
     double start = 0.0;
     double stop = 0.0;
     size_t count = 0;
-    assert_int_equal(air_flip_exposures(self->context, pair.reference, MAX_PIXELS, &start, &stop,
-                                        &count),
-                     AIR_OK);
+    assert_int_equal(
+        air_flip_exposures(self->context, pair.reference, MAX_PIXELS, &start, &stop, &count),
+        AIR_OK);
     /* Obtained as above; the evaluator computes in float. */
     assert_true(fabs(start - -6.72311544) < 1e-5 && fabs(stop - -1.28021026) < 1e-5);
     assert_int_equal(count, 6);
@@ -157,9 +166,9 @@ static void exposures_agree_with_the_published_evaluator(void **state)
             set(p, i, true, 0.0, 0.0, 0.0);
         }
     }
-    assert_int_equal(air_flip_exposures(self->context, pair.reference, MAX_PIXELS, &start, &stop,
-                                        &count),
-                     AIR_OK);
+    assert_int_equal(
+        air_flip_exposures(self->context, pair.reference, MAX_PIXELS, &start, &stop, &count),
+        AIR_OK);
     assert_true(fabs(start - -6.72311544) < 1e-5 && fabs(stop - 24.0832977) < 1e-5);
     assert_int_equal(count, 31);
     assert_true(fabs(run(self, p, 67.0206f, true) - 0.07876327) < 1e-5);
@@ -168,7 +177,8 @@ static void exposures_agree_with_the_published_evaluator(void **state)
 
 static void even_pictures_have_the_published_colour_differences(void **state)
 {
-    /* Obtained as above from pictures of 8 x 8 equal pixels; no features, so these are colour differences alone. */
+    /* Obtained as above from pictures of 8 x 8 equal pixels; no features, so these are colour
+     * differences alone. */
     static const struct {
         double a[3], b[3], value;
     } cases[4] = {{{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, 0.967388213},
@@ -187,14 +197,15 @@ static void even_pictures_have_the_published_colour_differences(void **state)
     free(p);
 }
 
-/* ---- a direct computation: double precision, filters in two dimensions, matrices from the primaries ---- */
+/* ---- a direct computation: double precision, filters in two dimensions, matrices from the
+ * primaries ---- */
 
 typedef struct direct_pixel {
     double opponent[3], lab[3], edge, point;
 } direct_pixel;
 
-/* Linear Rec. 709 to XYZ relative to white: X/Xn etc. Primaries (0.64,0.33) (0.30,0.60) (0.15,0.06), white point (0.31271,
- * 0.32902); solved by Cramer's rule. m is 3 x 3, row-major. */
+/* Linear Rec. 709 to XYZ relative to white: X/Xn etc. Primaries (0.64,0.33) (0.30,0.60)
+ * (0.15,0.06), white point (0.31271, 0.32902); solved by Cramer's rule. m is 3 x 3, row-major. */
 static double determinant(const double m[9])
 {
     return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
@@ -268,7 +279,8 @@ static double direct_csf(size_t channel, double squared_degrees)
     static const double a1[3] = {1.0, 1.0, 34.1};
     static const double b1[3] = {0.0047, 0.0053, 0.04};
     const double pi = 3.14159265358979323846;
-    double sum = a1[channel] * sqrt(pi / b1[channel]) * exp(-pi * pi * squared_degrees / b1[channel]);
+    double sum =
+        a1[channel] * sqrt(pi / b1[channel]) * exp(-pi * pi * squared_degrees / b1[channel]);
     if (channel == 2) {
         sum += 13.5 * sqrt(pi / 0.025) * exp(-pi * pi * squared_degrees / 0.025);
     }
@@ -287,8 +299,8 @@ static void direct_colour(const double matrix[9], direct_pixel *pixels, size_t w
         for (long j = -radius; j <= radius; j++) {
             for (long i = -radius; i <= radius; i++) {
                 const double w = direct_csf(c, (double)(i * i + j * j) / (ppd * ppd));
-                const size_t at = clamp_index((long)y + j, height) * width +
-                                  clamp_index((long)x + i, width);
+                const size_t at =
+                    clamp_index((long)y + j, height) * width + clamp_index((long)x + i, width);
                 sum += w * pixels[at].opponent[c];
                 weights += w;
             }
@@ -303,8 +315,8 @@ static void direct_colour(const double matrix[9], direct_pixel *pixels, size_t w
     direct_lab(matrix, rgb, pixels[y * width + x].lab);
 }
 
-/* Edge (order 1) or point (order 2) strength: the two-dimensional derivative kernels with positive weights summing to 1 and
- * negative ones to -1. */
+/* Edge (order 1) or point (order 2) strength: the two-dimensional derivative kernels with positive
+ * weights summing to 1 and negative ones to -1. */
 static double direct_feature(const direct_pixel *pixels, size_t width, size_t height, size_t x,
                              size_t y, double ppd, int order)
 {
@@ -364,10 +376,9 @@ static double direct_flip(const double matrix[9], const direct_pixel *a, const d
     const double largest = direct_distance(lab_green, lab_blue);
     const double d = direct_distance(a->lab, b->lab);
     const double knee = 0.4 * largest;
-    const double colour =
-        d < knee ? 0.95 * d / knee : 0.95 + 0.05 * (d - knee) / (largest - knee);
-    const double feature = sqrt(fmax(fabs(a->edge - b->edge), fabs(a->point - b->point)) /
-                                sqrt(2.0));
+    const double colour = d < knee ? 0.95 * d / knee : 0.95 + 0.05 * (d - knee) / (largest - knee);
+    const double feature =
+        sqrt(fmax(fabs(a->edge - b->edge), fabs(a->point - b->point)) / sqrt(2.0));
     return colour > 0.0 ? pow(colour, 1.0 - feature) : 0.0;
 }
 

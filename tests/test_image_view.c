@@ -49,7 +49,8 @@ static void neutral_compresses_as_its_specification_computes(void **state)
     for (size_t c = 0; c < 3; c++) {
         assert_true(fabsf(out[c] - 0.86909091f) <= rounding);
     }
-    /* (1.96, 0.46, 0.06) after the offset: new peak 1 - 0.0576/1.44 = 0.96, grey share 1 - 1/1.15. */
+    /* (1.96, 0.46, 0.06) after the offset: new peak 1 - 0.0576/1.44 = 0.96, grey share 1 - 1/1.15.
+     */
     apply(AIR_VIEW_NEUTRAL, 0.0f, 2.0f, 0.5f, 0.1f, out);
     assert_true(fabsf(out[0] - 0.96f) <= rounding);
     assert_true(fabsf(out[1] - (0.46f * 0.96f / 1.96f + 0.15f * 0.96f) / 1.15f) <= rounding);
@@ -204,12 +205,9 @@ static void differences_are_absolute(void **state)
 /* Linear Rec. 709 to Oklab [Ottosson2020], the inverse of what the map is made with. */
 static void oklab(const double rgb[3], double lab[3])
 {
-    const double l =
-        cbrt(0.4122214708 * rgb[0] + 0.5363325363 * rgb[1] + 0.0514459929 * rgb[2]);
-    const double m =
-        cbrt(0.2119034982 * rgb[0] + 0.6806995451 * rgb[1] + 0.1073969566 * rgb[2]);
-    const double s =
-        cbrt(0.0883024619 * rgb[0] + 0.2817188376 * rgb[1] + 0.6299787005 * rgb[2]);
+    const double l = cbrt(0.4122214708 * rgb[0] + 0.5363325363 * rgb[1] + 0.0514459929 * rgb[2]);
+    const double m = cbrt(0.2119034982 * rgb[0] + 0.6806995451 * rgb[1] + 0.1073969566 * rgb[2]);
+    const double s = cbrt(0.0883024619 * rgb[0] + 0.2817188376 * rgb[1] + 0.6299787005 * rgb[2]);
     lab[0] = 0.2104542553 * l + 0.7936177850 * m - 0.0040720468 * s;
     lab[1] = 1.9779984951 * l - 2.4285922050 * m + 0.4505937099 * s;
     lab[2] = 0.0259040371 * l + 0.7827717662 * m - 0.8086757660 * s;
@@ -236,8 +234,9 @@ static void false_colours_rise_evenly_within_the_gamut(void **state)
         }
         oklab(rgb, lab);
         if (i > 0) {
-            const double step = STEPS * sqrt(pow(lab[0] - last[0], 2.0) + pow(lab[1] - last[1], 2.0) +
-                                             pow(lab[2] - last[2], 2.0));
+            const double step =
+                STEPS * sqrt(pow(lab[0] - last[0], 2.0) + pow(lab[1] - last[1], 2.0) +
+                             pow(lab[2] - last[2], 2.0));
             /* Designed length 0.95 to 1.00; a lightness step of 0.80. */
             assert_true(step > 0.94 && step < 1.01);
             assert_true(fabs(STEPS * (lab[0] - last[0]) - 0.80) < 1e-3);

@@ -32,8 +32,8 @@ static void student_has_its_closed_forms(void **state)
 static void student_has_the_tabulated_quantiles(void **state)
 {
     (void)state;
-    /* [Abramowitz1964, table 26.10], given to three decimals: half a unit moves p by up to 0.5e-3 times the density, which
-     * relative to p is at most 0.0005 * 3. */
+    /* [Abramowitz1964, table 26.10], given to three decimals: half a unit moves p by up to 0.5e-3
+     * times the density, which relative to p is at most 0.0005 * 3. */
     const struct {
         double nu, t, p;
     } cases[] = {{15.0, 2.131, 0.05},  {15.0, 2.947, 0.01},  {15.0, 4.073, 0.001},
@@ -49,7 +49,8 @@ static void student_approaches_the_normal_distribution(void **state)
     (void)state;
     for (double t = 0.0; t < 6.0; t += 0.25) {
         const double normal = erfc(t * sqrt(0.5));
-        /* The first correction is of relative order (t^4 + t^2)/(4 nu) and less than 2 (t^4 + t^2)/nu in all. */
+        /* The first correction is of relative order (t^4 + t^2)/(4 nu) and less than 2 (t^4 +
+         * t^2)/nu in all. */
         const double size = 2.0 * (pow(t, 4.0) + t * t);
         assert_true(near(air_student_two_sided(t, 1e6), normal, size / 1e6 + 1e-9));
         assert_true(near(air_student_two_sided(t, 9e9), normal, size / 9e9 + 1e-6));
@@ -109,7 +110,8 @@ static void normal_pair(image_fixture *self, double out[2])
     out[1] = radius * sin(angle);
 }
 
-/* Means of replicates with deviation sigma of the mean, and the estimated variances of these means. */
+/* Means of replicates with deviation sigma of the mean, and the estimated variances of these means.
+ */
 static void simulate(image_fixture *self, double mean, double sigma, air_image *image,
                      air_image *variance)
 {
@@ -156,8 +158,8 @@ static trials run_trials(image_fixture *self, double mean, double sigma, size_t 
         if (both) {
             simulate(self, 1.0, 0.5 * sigma, b, variance_b);
         }
-        assert_int_equal(air_image_ztest(self->context, a, b, variance_a,
-                                         both ? variance_b : NULL, block, REPLICATES - 1, &test),
+        assert_int_equal(air_image_ztest(self->context, a, b, variance_a, both ? variance_b : NULL,
+                                         block, REPLICATES - 1, &test),
                          AIR_OK);
         result.mean_rejected += (test.mean_p < 0.01) / (double)TRIALS;
         result.sidak_rejected += (test.sidak_p < 0.01) / (double)TRIALS;
@@ -188,7 +190,8 @@ static void unbiased_noise_is_accepted_at_the_stated_level(void **state)
 
 static void unbiased_noise_in_both_images_and_blocks_is_accepted(void **state)
 {
-    /* Welch's degrees of freedom are an approximation: the share beyond 95 % may be off by a tenth of itself. */
+    /* Welch's degrees of freedom are an approximation: the share beyond 95 % may be off by a tenth
+     * of itself. */
     const trials blocks = run_trials(*state, 1.0, 0.08, 4, true);
     assert_true(blocks.mean_rejected <= above(0.01));
     assert_true(blocks.sidak_rejected <= above(0.015));
@@ -199,21 +202,23 @@ static void unbiased_noise_in_both_images_and_blocks_is_accepted(void **state)
 
 static void a_bias_of_one_percent_is_rejected_at_the_stated_power(void **state)
 {
-    /* The mean of N = 1024 pixels with deviation 0.08 each has a standard error of 0.0025, so a bias of 0.01 shifts z by 4.
-     * Level 1 % with a Sidak correction over three (here equal) channels means |z| > 2.935: the power is
-     * Phi(4 - 2.935) = 0.857. The degrees of freedom, about 15 * 1024 / (1 + 2/15), change the quantile by 0.001. */
+    /* The mean of N = 1024 pixels with deviation 0.08 each has a standard error of 0.0025, so a
+     * bias of 0.01 shifts z by 4. Level 1 % with a Sidak correction over three (here equal)
+     * channels means |z| > 2.935: the power is Phi(4 - 2.935) = 0.857. The degrees of freedom,
+     * about 15 * 1024 / (1 + 2/15), change the quantile by 0.001. */
     const trials biased = run_trials(*state, 1.01, 0.08, 1, false);
     assert_true(biased.mean_rejected > below(0.857) && biased.mean_rejected < above(0.857));
-    /* The squares of 1024 pixel scores, shifted by 1/8 each, sum to 1040 with a deviation of 46; the 99.67 % point is 1152:
-     * power below 4 %. */
+    /* The squares of 1024 pixel scores, shifted by 1/8 each, sum to 1040 with a deviation of 46;
+     * the 99.67 % point is 1152: power below 4 %. */
     assert_true(biased.chi_square_rejected < above(0.04));
 }
 
 static void blocks_find_a_bias_that_pixels_hide(void **state)
 {
-    /* Blocks of 16 x 16 have a deviation of 0.08/16 = 0.005: four scores shifted by 2, whose squares sum to 20 on average
-     * with a deviation of sqrt(2 (4 + 2 * 16)) = 8.5, against the 99.67 % point of chi-square with 4, 15.8: power about
-     * Phi((20 - 15.8)/8.5) = 0.69, give or take 0.05 for the normal approximation. */
+    /* Blocks of 16 x 16 have a deviation of 0.08/16 = 0.005: four scores shifted by 2, whose
+     * squares sum to 20 on average with a deviation of sqrt(2 (4 + 2 * 16)) = 8.5, against
+     * the 99.67 % point of chi-square with 4, 15.8: power about Phi((20 - 15.8)/8.5) = 0.69, give
+     * or take 0.05 for the normal approximation. */
     const trials blocks = run_trials(*state, 1.01, 0.08, 16, false);
     assert_true(blocks.chi_square_rejected > below(0.69) - 0.05);
 }
@@ -240,8 +245,7 @@ static void single_outliers_move_the_smallest_p(void **state)
 
 static void the_variance_layer_of_an_image_is_preferred(void **state)
 {
-    static const char *const names[6] = {"R",          "G",          "B",
-                                         "variance.R", "variance.G", "variance.B"};
+    static const char *const names[6] = {"R", "G", "B", "variance.R", "variance.G", "variance.B"};
     image_fixture *self = *state;
     air_image *a = image_make(self, 2, 2, 6, names);
     air_image *b = image_make_rgb(self, 2, 2);

@@ -50,7 +50,12 @@ static void what_is_not_gltf_is_refused_with_its_place(void **state)
     import_init(&f);
     assert_int_equal(import_text(&f, "{\n 'asset': }"), AIR_ERROR_FORMAT);
     import_expect(&f, AIR_MESSAGE_ERROR, "room.gltf: $: not valid JSON at line 2, column 1");
-    assert_int_equal(import_text(&f, "<scene version='3.0.0'/>"), AIR_ERROR_FORMAT);
+    import_refuses(
+        &f, "<scene version='3.0.0'/>", AIR_ERROR_FORMAT,
+        "room.gltf: byte 0: expected a glTF file, which is JSON text or begins with \"glTF\"");
+    import_refuses(
+        &f, "", AIR_ERROR_FORMAT,
+        "room.gltf: byte 0: expected a glTF file, which is JSON text or begins with \"glTF\"");
     import_refuses(&f, "[]", AIR_ERROR_FORMAT,
                    "room.gltf: $: expected an object, found an array of 0");
     import_refuses(&f, "{}", AIR_ERROR_FORMAT,
@@ -144,7 +149,7 @@ static const char glb_json[] =
     "{" GLTF_SCENE
     ",'nodes':[{'mesh':0}],'meshes':[{'primitives':[{'attributes':{'POSITION':0}}]}],"
     "'buffers':[{'byteLength':36}],'bufferViews':[{'buffer':0,'byteLength':36}],"
-    "'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'}]}";
+    "'accessors':[{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'}]} ";
 
 static const float glb_positions[9] = {0, 0, 0, 2, 0, 0, 0, 2, 0};
 
@@ -168,6 +173,21 @@ static void a_glb_file_gives_its_binary_chunk_to_buffer_0(void **state)
     /* bytes behind the stated length do not count */
     put_u32(bytes, size, 0xffffffffu);
     assert_int_equal(load_bytes(&f, bytes, size + 4), AIR_OK);
+    import_finish(&f);
+}
+
+static void json_chunks_may_be_padded_with_zeros(void **state)
+{
+    (void)state;
+    import_fixture f;
+    uint8_t bytes[4096];
+    import_init(&f);
+    const size_t size = make_glb(bytes, glb_json, glb_positions, sizeof glb_positions);
+    size_t end = 20 + bytes[12] + 256u * bytes[13];
+    assert_int_equal(bytes[end - 1], ' ');
+    for (; bytes[end - 1] == ' '; --end)
+        bytes[end - 1] = '\0';
+    assert_int_equal(load_bytes(&f, bytes, size), AIR_OK);
     import_finish(&f);
 }
 
@@ -360,7 +380,7 @@ static void bad_transformations_are_refused(void **state)
         "room.gltf: $.nodes[0].scale[2]: expected a number within single precision, found 1e39");
     import_refuses(&f,
                    "{" GLTF_SCENE ",'nodes':[{'scale':[1e30,1,1],'children':[1]},{'scale':[1e30,1,"
-                                  "1],'mesh':0}]," GLTF_TRIANGLE "}",
+                   "1],'mesh':0}]," GLTF_TRIANGLE "}",
                    AIR_ERROR_FORMAT,
                    "room.gltf: $.nodes[1]: the node's transformation is not finite");
     import_finish(&f);
@@ -383,7 +403,7 @@ static void the_scene_asked_for_is_loaded(void **state)
     (void)state;
     static const char text[] =
         "{" GLTF_ASSET ",'scene':1,'scenes':[{'nodes':[0]},{'nodes':[0,1]},{}],'nodes':[{'mesh':0},"
-                       "{'mesh':0}]," GLTF_TRIANGLE "}";
+        "{'mesh':0}]," GLTF_TRIANGLE "}";
     import_fixture f;
     import_init(&f);
     import_loads(&f, text);
@@ -464,6 +484,7 @@ int main(void)
         cmocka_unit_test(a_required_extension_that_is_not_supported_is_named),
         cmocka_unit_test(a_used_extension_that_is_not_supported_gives_one_warning),
         cmocka_unit_test(a_glb_file_gives_its_binary_chunk_to_buffer_0),
+        cmocka_unit_test(json_chunks_may_be_padded_with_zeros),
         cmocka_unit_test(a_glb_file_cut_anywhere_is_refused),
         cmocka_unit_test(glb_errors_name_the_byte),
         cmocka_unit_test(external_buffers_lie_beside_the_scene),

@@ -430,7 +430,7 @@ static void a_mesh_shown_twice_is_two_meshes_of_one_material(void **state)
     import_fixture f;
     import_init(&f);
     import_loads(&f, "{" GLTF_ASSET ",'nodes':[{'mesh':0},{'mesh':0,'translation':[0,0,5]}],'"
-                                    "materials':[{'name':'red'}]," GLTF_PAINTED_TRIANGLE "}");
+                     "materials':[{'name':'red'}]," GLTF_PAINTED_TRIANGLE "}");
     assert_int_equal(f.snapshot->mesh_count, 2);
     assert_int_equal(f.snapshot->material_count, 2); /* and the default one */
     assert_int_equal(f.snapshot->meshes[0]->material, f.snapshot->meshes[1]->material);

@@ -607,6 +607,16 @@ static void flags_reach_the_objects_they_name(void **state)
     import_finish(&f.base);
 }
 
+static void a_byte_order_mark_does_no_harm(void **state)
+{
+    (void)state;
+    sidecar_fixture f;
+    start(&f);
+    beside_loads(&f, "\xef\xbb\xbf{'media':[{'sigma_s':1}]}");
+    assert_int_equal(f.base.snapshot->media.count, 1);
+    import_finish(&f.base);
+}
+
 static void unknown_keys_name_the_nearest_known_one(void **state)
 {
     (void)state;
@@ -655,6 +665,7 @@ int main(void)
         cmocka_unit_test(the_last_sidecars_camera_is_the_first_of_the_scene),
         cmocka_unit_test(bad_cameras_are_refused),
         cmocka_unit_test(flags_reach_the_objects_they_name),
+        cmocka_unit_test(a_byte_order_mark_does_no_harm),
         cmocka_unit_test(unknown_keys_name_the_nearest_known_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

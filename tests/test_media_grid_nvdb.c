@@ -333,7 +333,7 @@ static void test_damaged_nodes_do_no_harm(void **state)
     uint8_t *plain = plain_file(*state, &size);
     air_rng rng = air_rng_from_keys(11, 3);
     const size_t begin = HEADER_SIZE + DESCRIPTION_SIZE + 8; /* "density" and its NUL */
-    for (int n = 0; n < 600; n++) {
+    for (int n = 0; n < 300; n++) {
         /* half of it in header, tree, root and its tiles, the rest anywhere: masks, child tables,
          * leaves */
         const size_t range = n % 2 == 0 ? 900 : size - begin - 8;
@@ -346,7 +346,7 @@ static void test_damaged_nodes_do_no_harm(void **state)
         check_damaged(*state, plain, size, &failures);
         memcpy(plain + at, &kept, sizeof kept);
     }
-    assert_true(failures > 20);
+    assert_true(failures > 10);
     free(plain);
 }
 

@@ -28,7 +28,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* A medium in a box of half-widths h about c, as a box or as a mesh that is not recognised as one. */
+/* A medium in a box of half-widths h about c, as a box or as a mesh that is not recognised as one.
+ */
 typedef struct box {
     float c[3], h[3];
     air_combine combine;
@@ -69,9 +70,9 @@ static uint64_t expected_set(const box *boxes, uint32_t count, air_vec3 p)
     }
     uint64_t set = 0;
     for (uint32_t i = 0; i < count; i++) {
-        const bool kept = winner == UINT32_MAX || i == winner ||
-                          (boxes[i].combine == AIR_COMBINE_ADD &&
-                           boxes[i].priority >= boxes[winner].priority);
+        const bool kept =
+            winner == UINT32_MAX || i == winner ||
+            (boxes[i].combine == AIR_COMBINE_ADD && boxes[i].priority >= boxes[winner].priority);
         if (inside(&boxes[i], p) && kept) {
             set |= (uint64_t)1 << i;
         }
@@ -106,8 +107,8 @@ static void check_ray(const air_media *media, const box *boxes, uint32_t box_cou
         const float t = tmax * air_rng_float(rng);
         bool near_edge = false;
         for (size_t i = 0; i < count; i++) {
-            near_edge = near_edge || fabsf(t - segments[i].t0) < 1e-5f ||
-                        fabsf(t - segments[i].t1) < 1e-5f;
+            near_edge =
+                near_edge || fabsf(t - segments[i].t0) < 1e-5f || fabsf(t - segments[i].t1) < 1e-5f;
         }
         if (!near_edge) {
             assert_true(set_at(segments, count, t) ==
@@ -156,7 +157,7 @@ static void a_mesh_is_entered_and_left_as_often_as_the_ray_crosses_it(void **sta
         for (uint32_t j = 0; j < M; j++) {
             const double a = 2.0 * AIR_PI * i / N, b = 2.0 * AIR_PI * j / M, r = 2.0 + 0.5 * cos(b);
             const uint32_t i1 = (i + 1) % N, j1 = (j + 1) % M;
-            const uint32_t quad[6] = {i * M + j,  i1 * M + j1, i1 * M + j,
+            const uint32_t quad[6] = {i * M + j, i1 * M + j1, i1 * M + j,
                                       i * M + j, i * M + j1,  i1 * M + j1};
             float *p = positions + 3 * (i * M + j);
             p[0] = (float)(r * cos(a));

@@ -1,4 +1,5 @@
-/* Distance sampling: its density integrates to one, its samples follow it, its weight is transmittance over density. */
+/* Distance sampling: its density integrates to one, its samples follow it, its weight is
+ * transmittance over density. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -63,8 +64,8 @@ static air_snapshot *boxes(bool grey, bool exponential)
 enum { BINS = 48, SAMPLES = 60000, STEPS = 400 };
 
 /* Expected counts by the midpoint rule over each bin; returns the integral of the density. */
-static double expect(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light, double t0,
-                     double t1, double expected[BINS])
+static double expect(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light,
+                     double t0, double t1, double expected[BINS])
 {
     double total = 0.0;
     for (int b = 0; b < BINS; b++) {
@@ -102,8 +103,9 @@ static void check(const air_snapshot *snapshot, const air_vec3 *light, air_vec3 
         const float transmittance = expf(-air_ray_media_depth(&ray, d.t).y);
         assert_float_equal(d.weight.y * pdf, transmittance, 2e-4f * transmittance);
     }
-    /* Steps in the density inside bins cost the midpoint rule up to a step's height / STEPS: 0.1 % here. In the gap between the
-     * boxes equi-angular samples miss, and their density counts there. */
+    /* Steps in the density inside bins cost the midpoint rule up to a step's height / STEPS: 0.1 %
+     * here. In the gap between the boxes equi-angular samples miss, and their density counts there.
+     */
     assert_true(fabs(total - 1.0) < 2e-3);
     if (light != NULL) {
         return; /* bins at the edges of the gap are partly missed; the weights were checked above */
@@ -136,7 +138,8 @@ static void equiangular_samples_have_the_stated_weights(void **state)
     }
 }
 
-/* Without a gap in the media nothing is missed, and equi-angular samples pass the chi-square too. */
+/* Without a gap in the media nothing is missed, and equi-angular samples pass the chi-square too.
+ */
 static void equiangular_samples_follow_their_density(void **state)
 {
     (void)state;
@@ -151,7 +154,8 @@ static void equiangular_samples_follow_their_density(void **state)
     add_box(scene, 2.0f, sigma, false);
     assert_int_equal(air_scene_commit(scene, &snapshot, NULL), AIR_OK);
     air_scene_destroy(scene);
-    air_ray_media_make(&ray, &snapshot->media, vec3(0.0f, 0.0f, 0.0f), vec3(1.0f, 0.0f, 0.0f), INFINITY);
+    air_ray_media_make(&ray, &snapshot->media, vec3(0.0f, 0.0f, 0.0f), vec3(1.0f, 0.0f, 0.0f),
+                       INFINITY);
     assert_true(fabs(expect(&ray, white, &light, 1.0, 3.0, expected) - 1.0) < 1e-4);
     for (int i = 0; i < SAMPLES; i++) {
         air_distance d;

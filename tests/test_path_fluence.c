@@ -1,5 +1,5 @@
-/* Isotropic point source in infinite fog, against the closed forms of [Case1967] as analytic_fluence.h has them: the fluence of
- * every number of scatterings and of all of them. */
+/* Isotropic point source in infinite fog, against the closed forms of [Case1967] as
+ * analytic_fluence.h has them: the fluence of every number of scatterings and of all of them. */
 #include "path_probe.h"
 
 #include "analytic_fluence.h"
@@ -41,8 +41,9 @@ static air_snapshot *point_in_fog(float sigma_s, float sigma_a)
     return snapshot;
 }
 
-/* Within four standard errors, which themselves are known to about 18 % from 16 replicates: a sound tracer fails one check in some
- * thousands, and the seeds are fixed. The errors must be small enough to mean something. */
+/* Within four standard errors, which themselves are known to about 18 % from 16 replicates: a sound
+ * tracer fails one check in some thousands, and the seeds are fixed. The errors must be small
+ * enough to mean something. */
 static void assert_fluence(const probe_result *got, double expected, double largest_error)
 {
     assert_true(got->error[1] <= largest_error * expected);
@@ -58,7 +59,8 @@ static void each_number_of_scatterings_has_its_fluence(void **state)
     air_snapshot *snapshot = point_in_fog(1.0f, 0.0f);
     for (size_t i = 0; i < 3; i++) {
         for (uint32_t bounces = 1; bounces <= 3; bounces++) {
-            const probe p = {vec3(distances[i], 0.0f, 0.0f), NULL, bounces, AIR_TERMS_ALL, 16, 4096};
+            const probe p = {
+                vec3(distances[i], 0.0f, 0.0f), NULL, bounces, AIR_TERMS_ALL, 16, 4096};
             const probe_result got = probe_run(snapshot, &p);
             double expected = 0.0;
             for (int k = 1; k <= (int)bounces; k++) {
@@ -86,7 +88,8 @@ static void all_scatterings_together_have_theirs(void **state)
     air_snapshot_release(snapshot);
 }
 
-/* Single scattering alone, without any absorption to hide behind, in the terms that the film keeps apart. */
+/* Single scattering alone, without any absorption to hide behind, in the terms that the film keeps
+ * apart. */
 static void the_first_scattering_is_the_term_m1(void **state)
 {
     (void)state;

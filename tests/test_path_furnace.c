@@ -1,4 +1,5 @@
-/* The white furnace: in a constant environment of radiance 1, media of albedo 1 are invisible, whatever they are. */
+/* The white furnace: in a constant environment of radiance 1, media of albedo 1 are invisible,
+ * whatever they are. */
 #include "path_probe.h"
 
 #include "core/random.h"
@@ -55,9 +56,9 @@ static void add_medium(air_scene *scene, const air_medium_desc *medium)
     assert_int_equal(air_scene_add_medium(scene, medium, &handle), AIR_OK);
 }
 
-/* Radiance 1 from outside and from within, along three rays; standard error at most 0.2 %, within three of them. Nine
- * comparisons of three channels each at three standard errors (t with 31 degrees of freedom: 0.5 % each) would fail now and then
- * with fresh seeds; these are fixed. */
+/* Radiance 1 from outside and from within, along three rays; standard error at most 0.2 %, within
+ * three of them. Nine comparisons of three channels each at three standard errors (t with 31
+ * degrees of freedom: 0.5 % each) would fail now and then with fresh seeds; these are fixed. */
 static void assert_invisible(air_scene *scene, uint32_t samples)
 {
     static const float rays[3][6] = {{-3, 0.1f, 0.2f, 1, 0, 0},
@@ -68,8 +69,8 @@ static void assert_invisible(air_scene *scene, uint32_t samples)
     air_scene_destroy(scene);
     for (int i = 0; i < 3; i++) {
         const air_vec3 dir = vec3_normalize(vec3(rays[i][3], rays[i][4], rays[i][5]));
-        const probe p = {vec3(rays[i][0], rays[i][1], rays[i][2]), &dir, UINT32_MAX, AIR_TERMS_ALL,
-                         32, samples};
+        const probe p = {
+            vec3(rays[i][0], rays[i][1], rays[i][2]), &dir, UINT32_MAX, AIR_TERMS_ALL, 32, samples};
         const probe_result got = probe_run(snapshot, &p);
         for (int c = 0; c < 3; c++) {
             if (got.error[c] > 0.002 || fabs(got.mean[c] - 1.0) > 3.0 * got.error[c] + 1e-5) {
@@ -103,7 +104,7 @@ static void a_chromatic_forward_box_is_invisible(void **state)
 static void a_rayleigh_convex_body_is_invisible(void **state)
 {
     (void)state;
-    static const float octahedron[8 * 4] = {1, 1, 1, 1, 1, 1, -1, 1, 1, -1, 1, 1, 1, -1, -1, 1,
+    static const float octahedron[8 * 4] = {1,  1, 1, 1, 1,  1, -1, 1, 1,  -1, 1, 1, 1,  -1, -1, 1,
                                             -1, 1, 1, 1, -1, 1, -1, 1, -1, -1, 1, 1, -1, -1, -1, 1};
     air_scene *scene = furnace();
     air_medium_desc medium = white_box(2.0f, 2.0f, 2.0f);
@@ -186,7 +187,10 @@ static air_handle add_grid(air_scene *scene, size_t channels)
     air_rng rng = air_rng_from_keys(5, (uint32_t)channels);
     air_handle handle;
     const float step = 2.0f / SIDE, first = -1.0f + 0.5f * step;
-    air_grid_desc grid = {"random", {SIDE, SIDE, SIDE}, channels, values,
+    air_grid_desc grid = {"random",
+                          {SIDE, SIDE, SIDE},
+                          channels,
+                          values,
                           {step, 0, 0, first, 0, step, 0, first, 0, 0, step, first}};
     for (size_t i = 0; i < SIDE * SIDE * SIDE * channels; i++) {
         values[i] = fmaxf(0.0f, 3.0f * air_rng_float(&rng) - 1.0f);

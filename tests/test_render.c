@@ -1,4 +1,5 @@
-/* Rendering as callers see it: the same bytes however the work is cut up, terms that sum, variances that are true. */
+/* Rendering as callers see it: the same bytes however the work is cut up, terms that sum, variances
+ * that are true. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -125,7 +126,8 @@ static double term_sum(const air_film *film, const char *name)
         if (strcmp(film->layout.slots[s].name, name) == 0) {
             double sum = 0.0;
             for (size_t p = 0; p < air_film_pixel_count(film); p++) {
-                sum += film->nodes[0].sums[p * film->layout.stride + film->layout.slots[s].offset + 1];
+                sum +=
+                    film->nodes[0].sums[p * film->layout.stride + film->layout.slots[s].offset + 1];
             }
             return sum;
         }
@@ -134,8 +136,8 @@ static double term_sum(const air_film *film, const char *name)
     return 0.0;
 }
 
-/* A term on its own uses the numbers it uses in company, so it is not only equal in the mean: what differs is which rays share a
- * packet, hence last bits. Checked to 1e-4 of the picture's sum. */
+/* A term on its own uses the numbers it uses in company, so it is not only equal in the mean: what
+ * differs is which rays share a packet, hence last bits. Checked to 1e-4 of the picture's sum. */
 static void terms_run_apart_sum_to_beauty(void **state)
 {
     (void)state;
@@ -166,8 +168,9 @@ static void terms_run_apart_sum_to_beauty(void **state)
     air_context_destroy(context);
 }
 
-/* The mean of 64 independent pictures' squared deviations against the variance each claims. A pixel's ratio scatters by
- * sqrt(2/15) relative, so the mean over 384 pixels and 16 pictures is known to below 2 %; light-tailed or not, 15 % is far outside. */
+/* The mean of 64 independent pictures' squared deviations against the variance each claims. A
+ * pixel's ratio scatters by sqrt(2/15) relative, so the mean over 384 pixels and 16 pictures is
+ * known to below 2 %; light-tailed or not, 15 % is far outside. */
 static void the_variance_is_that_of_the_mean(void **state)
 {
     (void)state;
@@ -185,7 +188,8 @@ static void the_variance_is_that_of_the_mean(void **state)
         assert_int_equal(air_render(context, snapshot, &params, &film), AIR_OK);
         assert_int_equal(air_film_resolve(film, NULL, &image), AIR_OK);
         const float *g = air_image_plane(image, 1);
-        const float *v = air_image_plane(image, (size_t)air_image_find_channel(image, "variance.G"));
+        const float *v =
+            air_image_plane(image, (size_t)air_image_find_channel(image, "variance.G"));
         for (size_t p = 0; p < PIXELS; p++) {
             mean[p] += (double)g[p] / PICTURES;
             square[p] += (double)g[p] * (double)g[p] / PICTURES;

@@ -18,7 +18,8 @@ static int set_up(void **state)
     return 0;
 }
 
-/* Every dimension of a (t,s)-sequence in base 2 has one point in each of the 2^m intervals, for any aligned run of 2^m. */
+/* Every dimension of a (t,s)-sequence in base 2 has one point in each of the 2^m intervals, for any
+ * aligned run of 2^m. */
 static void each_dimension_is_stratified_in_every_aligned_run(void **state)
 {
     (void)state;
@@ -40,7 +41,8 @@ static void each_dimension_is_stratified_in_every_aligned_run(void **state)
     }
 }
 
-/* The first two Sobol dimensions are a (0,2)-sequence: one point in every elementary box of 2^-a x 2^-(m-a). */
+/* The first two Sobol dimensions are a (0,2)-sequence: one point in every elementary box of 2^-a x
+ * 2^-(m-a). */
 static void the_first_two_dimensions_fill_all_elementary_boxes(void **state)
 {
     (void)state;
@@ -59,7 +61,8 @@ static void the_first_two_dimensions_fill_all_elementary_boxes(void **state)
     }
 }
 
-/* Independent pixels: a fixed sample's numbers over many pixel seeds are uniform, jointly in pairs of dimensions and sets. */
+/* Independent pixels: a fixed sample's numbers over many pixel seeds are uniform, jointly in pairs
+ * of dimensions and sets. */
 static void scrambles_are_uniform_over_pixels(void **state)
 {
     (void)state;
@@ -76,13 +79,14 @@ static void scrambles_are_uniform_over_pixels(void **state)
             const float x = u[pair], y = pair == 2 ? v[0] : u[pair + 1];
             observed[(int)(x * SIDE) * SIDE + (int)(y * SIDE)] += 1.0;
         }
-        /* Three tests; a sound generator fails one at 1e-4 with probability 3e-4, and the seeds are fixed. */
+        /* Three tests; a sound generator fails one at 1e-4 with probability 3e-4, and the seeds are
+         * fixed. */
         assert_true(chi_square_p(observed, expected, BINS, NULL) > 1e-4);
     }
 }
 
-/* A smooth integral over one set converges far faster than 1/sqrt(N): at 4096 points the error of x y z w, whose standard
- * deviation is 0.093, is below 0.093/sqrt(4096)/10. */
+/* A smooth integral over one set converges far faster than 1/sqrt(N): at 4096 points the error of x
+ * y z w, whose standard deviation is 0.093, is below 0.093/sqrt(4096)/10. */
 static void a_smooth_integral_beats_random_numbers_tenfold(void **state)
 {
     (void)state;
@@ -103,7 +107,8 @@ static void a_smooth_integral_beats_random_numbers_tenfold(void **state)
 static void runs_beyond_65536_are_new_points(void **state)
 {
     (void)state;
-    const air_sampler a = air_sampler_make(&sobol, 1u, 17), b = air_sampler_make(&sobol, 1u, 65536 + 17);
+    const air_sampler a = air_sampler_make(&sobol, 1u, 17),
+                      b = air_sampler_make(&sobol, 1u, 65536 + 17);
     assert_true(air_sampler_get(&a, 0)[0] != air_sampler_get(&b, 0)[0]);
 }
 

@@ -1,8 +1,10 @@
-// airlight-vdb2nvdb: converts the float and Vec3f grids of an OpenVDB file to NanoVDB, which airlight reads.
+// airlight-vdb2nvdb: converts the float and Vec3f grids of an OpenVDB file to NanoVDB, which
+// airlight reads.
 //
 //     airlight-vdb2nvdb IN.vdb OUT.nvdb [GRIDNAME]
 //
-// Level sets become fog volumes. With GRIDNAME only grids of that name are taken. Built where OpenVDB is installed.
+// Level sets become fog volumes. With GRIDNAME only grids of that name are taken. Built where
+// OpenVDB is installed.
 
 #include <cstdio>
 #include <exception>
@@ -17,7 +19,8 @@
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
 
-namespace {
+namespace
+{
 
 using Handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
 
@@ -33,17 +36,21 @@ bool convert(const openvdb::GridBase::Ptr &base, std::vector<Handle> &handles)
     const std::string what = "\"" + base->getName() + "\" (" + base->valueType() + ")";
     if (openvdb::FloatGrid::Ptr grid = openvdb::GridBase::grid<openvdb::FloatGrid>(base)) {
         if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) {
-            std::cerr << "airlight-vdb2nvdb: grid " << what << " is a level set, made a fog volume\n";
+            std::cerr << "airlight-vdb2nvdb: grid " << what
+                      << " is a level set, made a fog volume\n";
             openvdb::tools::sdfToFogVolume(*grid);
         }
         handles.push_back(nanovdb::openToNanoVDB(*grid));
-    } else if (openvdb::Vec3SGrid::Ptr vectors = openvdb::GridBase::grid<openvdb::Vec3SGrid>(base)) {
+    } else if (openvdb::Vec3SGrid::Ptr vectors =
+                   openvdb::GridBase::grid<openvdb::Vec3SGrid>(base)) {
         handles.push_back(nanovdb::openToNanoVDB(*vectors));
     } else {
-        std::cerr << "airlight-vdb2nvdb: grid " << what << " left out, expected float or vec3s values\n";
+        std::cerr << "airlight-vdb2nvdb: grid " << what
+                  << " left out, expected float or vec3s values\n";
         return false;
     }
-    std::cerr << "airlight-vdb2nvdb: grid " << what << ", " << base->activeVoxelCount() << " active voxels\n";
+    std::cerr << "airlight-vdb2nvdb: grid " << what << ", " << base->activeVoxelCount()
+              << " active voxels\n";
     return true;
 }
 
@@ -61,7 +68,8 @@ std::vector<Handle> convertFile(const std::string &path, const std::string &want
         }
     }
     if (handles.empty()) {
-        throw std::runtime_error("no grid " + (wanted.empty() ? std::string() : "\"" + wanted + "\" ") +
+        throw std::runtime_error("no grid " +
+                                 (wanted.empty() ? std::string() : "\"" + wanted + "\" ") +
                                  "with float or vec3s values; the file holds " +
                                  (names.empty() ? std::string("none") : names));
     }

@@ -1,4 +1,5 @@
-/* light.h: lights that are not emissive meshes. Radiometric units throughout: W, W/sr, W/m^2, W/(m^2 sr). */
+/* light.h: lights that are not emissive meshes. Radiometric units throughout: W, W/sr, W/m^2,
+ * W/(m^2 sr). */
 #ifndef AIRLIGHT_LIGHT_H
 #define AIRLIGHT_LIGHT_H
 
@@ -9,18 +10,21 @@ extern "C" {
 #endif
 
 typedef enum air_light_kind {
-    AIR_LIGHT_POINT = 0,       /* intensity, W/sr */
-    AIR_LIGHT_SPOT = 1,        /* intensity on the axis, W/sr, falling off between two cone angles */
-    AIR_LIGHT_COLLIMATED = 2,  /* from infinity along dir: perpendicular irradiance E_perp, W/m^2; optional gobo windows */
-    AIR_LIGHT_POLYGON = 3,     /* planar polygon of constant radiance, W/(m^2 sr), cosine emission */
-    AIR_LIGHT_ENVIRONMENT = 4  /* radiance at infinity: constant, or lat-long image times it */
+    AIR_LIGHT_POINT = 0,      /* intensity, W/sr */
+    AIR_LIGHT_SPOT = 1,       /* intensity on the axis, W/sr, falling off between two cone angles */
+    AIR_LIGHT_COLLIMATED = 2, /* from infinity along dir: perpendicular irradiance E_perp, W/m^2;
+                                 optional gobo windows */
+    AIR_LIGHT_POLYGON = 3,    /* planar polygon of constant radiance, W/(m^2 sr), cosine emission */
+    AIR_LIGHT_ENVIRONMENT = 4 /* radiance at infinity: constant, or lat-long image times it */
 } air_light_kind;
 
-/* A window of a gobo: light passes only inside the prism that the polygon sweeps along the light's direction,
- * both ways. Several windows: their union (they should not overlap; overlaps count once). */
+/* A window of a gobo: light passes only inside the prism that the polygon sweeps along the light's
+ * direction, both ways. Several windows: their union (they should not overlap; overlaps count
+ * once). */
 typedef struct air_gobo_window {
-    const float *vertices; /* 3 floats each, world space, in order around; a simple polygon; copied */
-    size_t vertex_count;   /* >= 3 */
+    const float
+        *vertices;       /* 3 floats each, world space, in order around; a simple polygon; copied */
+    size_t vertex_count; /* >= 3 */
 } air_gobo_window;
 
 typedef struct air_light_desc {
@@ -29,21 +33,23 @@ typedef struct air_light_desc {
     float color[3];    /* the quantity named at the kind, >= 0, finite */
     float position[3]; /* point, spot */
     float dir[3];      /* direction the light travels; spot, collimated; need not be unit */
-    float inner_cone_rad, outer_cone_rad; /* spot: 0 <= inner < outer <= pi/2; falloff as in KHR_lights_punctual */
-    const air_gobo_window *windows;       /* collimated: copied */
+    float inner_cone_rad,
+        outer_cone_rad; /* spot: 0 <= inner < outer <= pi/2; falloff as in KHR_lights_punctual */
+    const air_gobo_window *windows; /* collimated: copied */
     size_t window_count;
-    const float *vertices; /* polygon: 3 floats each, world space, planar, simple; emits to the side from which
-                              the vertices run counter-clockwise; copied */
+    const float *vertices; /* polygon: 3 floats each, world space, planar, simple; emits to the side
+                              from which the vertices run counter-clockwise; copied */
     size_t vertex_count;
-    bool one_sided;        /* polygon: default true */
-    bool camera_visible;   /* polygon, environment: default true */
-    bool casts_shadow;     /* false: nothing occludes this light; default true */
-    air_handle image;      /* environment: texture handle, or AIR_NONE for a constant */
-    float to_world[9];     /* environment: rotation from image space (+Y up, image centre = -Z) to world, row-major */
+    bool one_sided;      /* polygon: default true */
+    bool camera_visible; /* polygon, environment: default true */
+    bool casts_shadow;   /* false: nothing occludes this light; default true */
+    air_handle image;    /* environment: texture handle, or AIR_NONE for a constant */
+    float to_world[9];   /* environment: rotation from image space (+Y up, image centre = -Z) to
+                            world, row-major */
 } air_light_desc;
 
-/* A point light of intensity 0 at the origin, travelling along -Y, cones 0 and pi/4, two flags true, one_sided true,
- * identity rotation. */
+/* A point light of intensity 0 at the origin, travelling along -Y, cones 0 and pi/4, two flags
+ * true, one_sided true, identity rotation. */
 AIR_API void air_light_desc_default(air_light_desc *desc);
 
 #ifdef __cplusplus

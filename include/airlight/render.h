@@ -1,7 +1,7 @@
 /* render.h: rendering a snapshot into a film, and what films can do.
  *
- * Light is split into terms, so that several methods can share a picture: each (light, medium, term) has exactly one
- * owner. Beauty is the sum of the terms. */
+ * Light is split into terms, so that several methods can share a picture: each (light, medium,
+ * term) has exactly one owner. Beauty is the sum of the terms. */
 #ifndef AIRLIGHT_RENDER_H
 #define AIRLIGHT_RENDER_H
 
@@ -30,25 +30,32 @@ AIR_API const char *air_term_name(air_term term);
 typedef enum air_method { AIR_METHOD_PATH = 0, AIR_METHOD_COUNT = 1 } air_method;
 AIR_API const char *air_method_name(air_method method);
 
-/* The owner of every (light, medium, term). Lights are indexed as the snapshot lists them (air_scene_info.light_count of
- * them, emissive meshes together as one behind the last), media likewise; surface terms, emission and background use
- * medium index medium_count ("no medium"). */
+/* The owner of every (light, medium, term). Lights are indexed as the snapshot lists them
+ * (air_scene_info.light_count of them, emissive meshes together as one behind the last), media
+ * likewise; surface terms, emission and background use medium index medium_count ("no medium"). */
 typedef struct air_owner_table air_owner_table;
-/* Parses "auto", "METHOD[:MODE]" or "LIGHT=METHOD[:MODE],...". A method that does not apply falls back to path with one
- * warning that says why. */
-AIR_API air_status air_owner_table_create(air_context *context, const air_snapshot *snapshot, const char *methods,
-                                          air_owner_table **out_table);
+/* Parses "auto", "METHOD[:MODE]" or "LIGHT=METHOD[:MODE],...". A method that does not apply falls
+ * back to path with one warning that says why. */
+AIR_API air_status air_owner_table_create(air_context *context, const air_snapshot *snapshot,
+                                          const char *methods, air_owner_table **out_table);
 AIR_API void air_owner_table_destroy(air_owner_table *table);
-AIR_API air_method air_owner_table_get(const air_owner_table *table, size_t light, size_t medium, air_term term);
+AIR_API air_method air_owner_table_get(const air_owner_table *table, size_t light, size_t medium,
+                                       air_term term);
 
-/* Everything `airlight info --json` prints, as JSON text: triangles, lights, media with boundary kind, cameras, bounds,
- * units assumed, owner table, warnings. Query with buffer NULL and *size = 0: *size becomes the size needed with the
- * final NUL; then call with a buffer of that size. */
+/* Everything `airlight info --json` prints, as JSON text: triangles, lights, media with boundary
+ * kind, cameras, bounds, units assumed, owner table, warnings. Query with buffer NULL and *size =
+ * 0: *size becomes the size needed with the final NUL; then call with a buffer of that size. */
 AIR_API air_status air_snapshot_describe(const air_snapshot *snapshot, char *buffer, size_t *size);
 
-typedef enum air_filter { AIR_FILTER_BOX = 0, AIR_FILTER_POINT = 1, AIR_FILTER_TENT = 2, AIR_FILTER_GAUSSIAN = 3 } air_filter;
+typedef enum air_filter {
+    AIR_FILTER_BOX = 0,
+    AIR_FILTER_POINT = 1,
+    AIR_FILTER_TENT = 2,
+    AIR_FILTER_GAUSSIAN = 3
+} air_filter;
 
-/* A vertex of a camera path, as the hook sees it: after its segment was sampled, before light is gathered. */
+/* A vertex of a camera path, as the hook sees it: after its segment was sampled, before light is
+ * gathered. */
 typedef struct air_path_vertex {
     float position[3];
     float dir_in[3];      /* direction of travel that arrived here */
@@ -63,25 +70,28 @@ typedef struct air_path_vertex {
 struct air_film;
 
 typedef struct air_render_params {
-    air_handle camera; /* AIR_NONE: the first one */
-    size_t width, height;        /* 1..65535 */
-    size_t crop[4];              /* x0, y0, x1, y1 within the picture; default: all of it */
+    air_handle camera;                 /* AIR_NONE: the first one */
+    size_t width, height;              /* 1..65535 */
+    size_t crop[4];                    /* x0, y0, x1, y1 within the picture; default: all of it */
     uint32_t sample_begin, sample_end; /* samples per pixel [begin, end); begin a multiple of 16 */
     uint64_t seed;
-    uint32_t max_depth;          /* surface and medium events together; 1 = direct light and single scattering;
-                                    default 4294967295 (unlimited) */
-    uint32_t terms;              /* mask of 1 << air_term; default AIR_TERMS_ALL */
-    const char *methods;         /* see air_owner_table_create; default "auto" */
-    air_filter filter;           /* default box */
-    float filter_radius;         /* pixels, (0, 16]; air_filter_radius_default of the filter */
-    double time_limit_s;         /* INFINITY: none. Stops after the pass in which it is exceeded */
-    size_t tile_size;            /* pixels; has no influence on the result; default 32 */
-    bool layers;                 /* keep the terms apart in the film, for layers; else they share one slot; default false */
-    bool guides;                 /* keep albedo, normal and depth of the first surface too; default false */
-    uint32_t variance_replicates; /* 0: none; else the samples are that many independent scramblings and the film keeps the
-                                     variance of their mean; sample_end - sample_begin must be a multiple of it; 0 or >= 2 */
+    uint32_t max_depth;  /* surface and medium events together; 1 = direct light and single
+                            scattering;  default 4294967295 (unlimited) */
+    uint32_t terms;      /* mask of 1 << air_term; default AIR_TERMS_ALL */
+    const char *methods; /* see air_owner_table_create; default "auto" */
+    air_filter filter;   /* default box */
+    float filter_radius; /* pixels, (0, 16]; air_filter_radius_default of the filter */
+    double time_limit_s; /* INFINITY: none. Stops after the pass in which it is exceeded */
+    size_t tile_size;    /* pixels; has no influence on the result; default 32 */
+    bool layers; /* keep the terms apart in the film, for layers; else they share one slot; default
+                    false */
+    bool guides; /* keep albedo, normal and depth of the first surface too; default false */
+    uint32_t variance_replicates; /* 0: none; else the samples are that many independent scramblings
+                                     and the film keeps the variance of their mean; sample_end -
+                                     sample_begin must be a multiple of it; 0 or >= 2 */
     /* Called for every path vertex, concurrently; NULL: none. */
-    void (*vertex_hook)(void *user, size_t x, size_t y, uint32_t sample, const air_path_vertex *vertex);
+    void (*vertex_hook)(void *user, size_t x, size_t y, uint32_t sample,
+                        const air_path_vertex *vertex);
     void *vertex_hook_user;
     /* Called after each progressive pass with the film so far; return false to stop; NULL: none. */
     bool (*pass_done)(void *user, const struct air_film *film);
@@ -95,38 +105,46 @@ AIR_API float air_filter_radius_default(air_filter filter);
 
 typedef struct air_film air_film;
 
-/* Renders. When the progress callback or pass_done asks to stop, or the time is over, *out_film holds the passes done and the
- * status is AIR_OK for the time limit and pass_done, AIR_ERROR_INTERRUPTED for progress. On other failures *out_film is NULL.
- * The result depends on snapshot, params and build only, not on threads or tiles. */
-AIR_API air_status air_render(air_context *context, const air_snapshot *snapshot, const air_render_params *params,
-                              air_film **out_film);
+/* Renders. When the progress callback or pass_done asks to stop, or the time is over, *out_film
+ * holds the passes done and the status is AIR_OK for the time limit and pass_done,
+ * AIR_ERROR_INTERRUPTED for progress. On other failures *out_film is NULL. The result depends on
+ * snapshot, params and build only, not on threads or tiles. */
+AIR_API air_status air_render(air_context *context, const air_snapshot *snapshot,
+                              const air_render_params *params, air_film **out_film);
 AIR_API void air_film_destroy(air_film *film);
 
 AIR_API size_t air_film_width(const air_film *film);
 AIR_API size_t air_film_height(const air_film *film);
-/* First and one past the last sample held; a film made of parts that do not touch reports the hull. */
+/* First and one past the last sample held; a film made of parts that do not touch reports the hull.
+ */
 AIR_API void air_film_samples(const air_film *film, uint32_t *out_begin, uint32_t *out_end);
 
-/* Adds the samples of `other` to `film`: same size, crop, seed, terms, settings, disjoint samples, else AIR_ERROR_ARGUMENT.
- * Films whose sample ranges are adjacent at multiples of 16 merge to the bytes of one run. */
+/* Adds the samples of `other` to `film`: same size, crop, seed, terms, settings, disjoint samples,
+ * else AIR_ERROR_ARGUMENT. Films whose sample ranges are adjacent at multiples of 16 merge to the
+ * bytes of one run. */
 AIR_API air_status air_film_merge(air_film *film, const air_film *other);
 
 /* Raw sums to and from a file (.film, docs/film-format.md). */
 AIR_API air_status air_film_save(const air_film *film, const char *path);
 AIR_API air_status air_film_load(air_context *context, const char *path, air_film **out_film);
 
-/* String attributes kept with the film and copied to resolved images. */
+/* String attributes kept with the film and copied to resolved images; copied. value NULL removes.
+ */
 AIR_API air_status air_film_set_attribute(air_film *film, const char *name, const char *value);
 
 typedef struct air_resolve_params {
-    bool layers;   /* one layer per term beside R,G,B where the film has them: "S0.R", ...; default true */
-    bool guides;   /* "albedo.R", ..., "normal.X", ..., "depth.Z" where the film has them; default true */
+    bool layers;   /* one layer per term beside R,G,B where the film has them: "S0.R", ...; default
+                      true */
+    bool guides;   /* "albedo.R", ..., "normal.X", ..., "depth.Z" where the film has them; default
+                      true */
     bool variance; /* of the mean: "variance.R", ... where the film has replicates; default true */
 } air_resolve_params;
 
 AIR_API void air_resolve_params_default(air_resolve_params *params);
-/* Divides the sums: R,G,B and what else was asked for. AIR_ERROR_ARGUMENT if the film holds no samples. */
-AIR_API air_status air_film_resolve(const air_film *film, const air_resolve_params *params, air_image **out_image);
+/* Divides the sums: R,G,B and what else was asked for. AIR_ERROR_ARGUMENT if the film holds no
+ * samples. */
+AIR_API air_status air_film_resolve(const air_film *film, const air_resolve_params *params,
+                                    air_image **out_image);
 
 #ifdef __cplusplus
 }

@@ -1,8 +1,9 @@
 /* scene.h: scenes: what is in them, how they are loaded, edited and frozen.
  *
- * An air_scene is edited through handles; air_scene_commit freezes it into an immutable, reference-counted
- * air_snapshot, which is what renders and bakes read. Unchanged parts (geometry with its accelerator, textures, grids)
- * are shared between snapshots. Editing a scene is not thread-safe; reading a snapshot is. */
+ * An air_scene is edited through handles; air_scene_commit freezes it into an immutable,
+ * reference-counted air_snapshot, which is what renders and bakes read. Unchanged parts (geometry
+ * with its accelerator, textures, grids) are shared between snapshots. Editing a scene is not
+ * thread-safe; reading a snapshot is. */
 #ifndef AIRLIGHT_SCENE_H
 #define AIRLIGHT_SCENE_H
 
@@ -16,7 +17,11 @@ extern "C" {
 typedef struct air_scene air_scene;
 typedef struct air_snapshot air_snapshot;
 
-typedef enum air_units { AIR_UNITS_AUTO = 0, AIR_UNITS_RADIOMETRIC = 1, AIR_UNITS_PHOTOMETRIC = 2 } air_units;
+typedef enum air_units {
+    AIR_UNITS_AUTO = 0,
+    AIR_UNITS_RADIOMETRIC = 1,
+    AIR_UNITS_PHOTOMETRIC = 2
+} air_units;
 
 /* ---- textures ---- */
 
@@ -25,11 +30,11 @@ typedef enum air_filter_kind { AIR_TEXTURE_LINEAR = 0, AIR_TEXTURE_NEAREST = 1 }
 
 typedef struct air_texture_desc {
     const char *name;
-    size_t width, height;   /* >= 1 */
-    size_t channels;        /* 1..4 */
-    const uint8_t *bytes;   /* row 0 at the top, interleaved; or NULL */
-    const float *floats;    /* likewise; exactly one of the two is set; copied */
-    bool srgb;              /* bytes: colour channels carry the sRGB transfer function */
+    size_t width, height; /* >= 1 */
+    size_t channels;      /* 1..4 */
+    const uint8_t *bytes; /* row 0 at the top, interleaved; or NULL */
+    const float *floats;  /* likewise; exactly one of the two is set; copied */
+    bool srgb;            /* bytes: colour channels carry the sRGB transfer function */
     air_wrap wrap_u, wrap_v;
     air_filter_kind filter;
 } air_texture_desc;
@@ -43,19 +48,24 @@ typedef struct air_texture_ref {
     float uv_transform[6];
 } air_texture_ref;
 
-typedef enum air_alpha_mode { AIR_ALPHA_OPAQUE = 0, AIR_ALPHA_MASK = 1, AIR_ALPHA_BLEND = 2 } air_alpha_mode;
+typedef enum air_alpha_mode {
+    AIR_ALPHA_OPAQUE = 0,
+    AIR_ALPHA_MASK = 1,
+    AIR_ALPHA_BLEND = 2
+} air_alpha_mode;
 
 typedef struct air_material_desc {
     const char *name;
     float base_color[4]; /* linear RGB in [0,1], and alpha */
     air_texture_ref base_color_texture;
-    float metallic, roughness; /* in [0,1] */
+    float metallic, roughness;                  /* in [0,1] */
     air_texture_ref metallic_roughness_texture; /* G: roughness, B: metallic */
     float normal_scale;
     air_texture_ref normal_texture;
     float emission[3]; /* radiance, W/(m^2 sr) */
     air_texture_ref emission_texture;
-    float specular; /* [0,1], scales the dielectric reflectance; 0 with metallic 0 is a pure Lambert surface */
+    float specular; /* [0,1], scales the dielectric reflectance; 0 with metallic 0 is a pure Lambert
+                       surface */
     float ior;      /* >= 1, of the dielectric; 1.5 by default */
     air_alpha_mode alpha_mode;
     float alpha_cutoff;
@@ -72,31 +82,36 @@ typedef struct air_mesh_desc {
     const char *name;
     const float *positions; /* 3 per vertex, finite */
     const float *normals;   /* 3 per vertex, or NULL: face normals */
-    const float *tangents;  /* 4 per vertex (w = handedness), or NULL: from uv_set of the normal texture */
-    const float *uv[2];     /* 2 per vertex, or NULL */
-    const float *colors;    /* 4 per vertex, linear, multiply base_color; or NULL */
+    const float
+        *tangents; /* 4 per vertex (w = handedness), or NULL: from uv_set of the normal texture */
+    const float *uv[2];  /* 2 per vertex, or NULL */
+    const float *colors; /* 4 per vertex, linear, multiply base_color; or NULL */
     size_t vertex_count;
     const uint32_t *indices; /* 3 per triangle */
     size_t triangle_count;
-    air_handle material;    /* AIR_NONE: the default material */
-    float to_world[12];     /* 3 rows of 4, applied to all of the above */
-    bool camera_visible;    /* default true */
-    bool casts_shadow;      /* default true */
+    air_handle material; /* AIR_NONE: the default material */
+    float to_world[12];  /* 3 rows of 4, applied to all of the above */
+    bool camera_visible; /* default true */
+    bool casts_shadow;   /* default true */
 } air_mesh_desc;
 
 AIR_API void air_mesh_desc_default(air_mesh_desc *desc);
 
 /* ---- cameras ---- */
 
-typedef enum air_camera_kind { AIR_CAMERA_PERSPECTIVE = 0, AIR_CAMERA_ORTHOGRAPHIC = 1 } air_camera_kind;
+typedef enum air_camera_kind {
+    AIR_CAMERA_PERSPECTIVE = 0,
+    AIR_CAMERA_ORTHOGRAPHIC = 1
+} air_camera_kind;
 
 typedef struct air_camera_desc {
     const char *name;
     air_camera_kind kind;
-    float to_world[12];  /* looks along its local -Z, +Y up; scale is ignored */
-    float fov_y_rad;     /* perspective: vertical field of view, (0, pi) */
-    float half_height;   /* orthographic: half of the height seen, metres */
-    float aspect;        /* width / height used when only one of both is given; 0 never occurs: default 4/3 */
+    float to_world[12]; /* looks along its local -Z, +Y up; scale is ignored */
+    float fov_y_rad;    /* perspective: vertical field of view, (0, pi) */
+    float half_height;  /* orthographic: half of the height seen, metres */
+    float aspect; /* width / height used when only one of both is given; 0 never occurs: default 4/3
+                   */
 } air_camera_desc;
 
 AIR_API void air_camera_desc_default(air_camera_desc *desc);
@@ -106,37 +121,54 @@ AIR_API void air_camera_desc_default(air_camera_desc *desc);
 AIR_API air_status air_scene_create(air_context *context, air_scene **out_scene);
 AIR_API void air_scene_destroy(air_scene *scene); /* NULL is legal; snapshots stay valid */
 
-/* Adding copies everything the description points to and gives a handle that stays valid until removed.
- * AIR_ERROR_ARGUMENT with a message that names the object and the field when a value is out of range: NaN or negative
- * coefficients, |g| >= 1, zero-area lights, indices out of range, an open mesh as a boundary, and so on. */
-AIR_API air_status air_scene_add_texture(air_scene *scene, const air_texture_desc *desc, air_handle *out_handle);
-AIR_API air_status air_scene_add_grid(air_scene *scene, const air_grid_desc *desc, air_handle *out_handle);
-/* Loads a grid file: .nvdb (grid_name NULL: the grid called "density", else the first) or Mitsuba .vol. */
+/* Adding copies everything the description points to and gives a handle that stays valid until
+ * removed. AIR_ERROR_ARGUMENT with a message that names the object and the field when a value is
+ * out of range: NaN or negative coefficients, |g| >= 1, zero-area lights, indices out of range, an
+ * open mesh as a boundary, and so on. */
+AIR_API air_status air_scene_add_texture(air_scene *scene, const air_texture_desc *desc,
+                                         air_handle *out_handle);
+AIR_API air_status air_scene_add_grid(air_scene *scene, const air_grid_desc *desc,
+                                      air_handle *out_handle);
+/* Loads a grid file: .nvdb (grid_name NULL: the grid called "density", else the first) or Mitsuba
+ * .vol. */
 AIR_API air_status air_scene_load_grid(air_scene *scene, const char *path, const char *grid_name,
                                        air_handle *out_handle);
 /* Raw little-endian float32, x fastest, filling the unit cube [0,1]^3. */
-AIR_API air_status air_scene_load_raw_grid(air_scene *scene, const char *path, const size_t size[3], size_t channels,
-                                           air_handle *out_handle);
-AIR_API air_status air_scene_add_material(air_scene *scene, const air_material_desc *desc, air_handle *out_handle);
-AIR_API air_status air_scene_add_mesh(air_scene *scene, const air_mesh_desc *desc, air_handle *out_handle);
-AIR_API air_status air_scene_add_medium(air_scene *scene, const air_medium_desc *desc, air_handle *out_handle);
-AIR_API air_status air_scene_add_light(air_scene *scene, const air_light_desc *desc, air_handle *out_handle);
-AIR_API air_status air_scene_add_camera(air_scene *scene, const air_camera_desc *desc, air_handle *out_handle);
+AIR_API air_status air_scene_load_raw_grid(air_scene *scene, const char *path, const size_t size[3],
+                                           size_t channels, air_handle *out_handle);
+AIR_API air_status air_scene_add_material(air_scene *scene, const air_material_desc *desc,
+                                          air_handle *out_handle);
+AIR_API air_status air_scene_add_mesh(air_scene *scene, const air_mesh_desc *desc,
+                                      air_handle *out_handle);
+AIR_API air_status air_scene_add_medium(air_scene *scene, const air_medium_desc *desc,
+                                        air_handle *out_handle);
+AIR_API air_status air_scene_add_light(air_scene *scene, const air_light_desc *desc,
+                                       air_handle *out_handle);
+AIR_API air_status air_scene_add_camera(air_scene *scene, const air_camera_desc *desc,
+                                        air_handle *out_handle);
 
-/* Replaces what a handle names by a new description of the same sort; on failure the old one stays. */
-AIR_API air_status air_scene_set_material(air_scene *scene, air_handle handle, const air_material_desc *desc);
-AIR_API air_status air_scene_set_mesh(air_scene *scene, air_handle handle, const air_mesh_desc *desc);
-AIR_API air_status air_scene_set_medium(air_scene *scene, air_handle handle, const air_medium_desc *desc);
-AIR_API air_status air_scene_set_light(air_scene *scene, air_handle handle, const air_light_desc *desc);
-AIR_API air_status air_scene_set_camera(air_scene *scene, air_handle handle, const air_camera_desc *desc);
+/* Replaces what a handle names by a new description of the same sort; on failure the old one stays.
+ */
+AIR_API air_status air_scene_set_material(air_scene *scene, air_handle handle,
+                                          const air_material_desc *desc);
+AIR_API air_status air_scene_set_mesh(air_scene *scene, air_handle handle,
+                                      const air_mesh_desc *desc);
+AIR_API air_status air_scene_set_medium(air_scene *scene, air_handle handle,
+                                        const air_medium_desc *desc);
+AIR_API air_status air_scene_set_light(air_scene *scene, air_handle handle,
+                                       const air_light_desc *desc);
+AIR_API air_status air_scene_set_camera(air_scene *scene, air_handle handle,
+                                        const air_camera_desc *desc);
 
-/* Says where the scene came from and what its loader assumed and warned of; shown by air_snapshot_describe. Strings are
- * copied; units are "radiometric" or "photometric". */
+/* Says where the scene came from and what its loader assumed and warned of; shown by
+ * air_snapshot_describe. Strings are copied; units are "radiometric" or "photometric". */
 AIR_API air_status air_scene_set_source(air_scene *scene, const char *path, air_units light_units,
                                         air_units emissive_units);
-AIR_API air_status air_scene_add_warning(air_scene *scene, const char *text); /* also sent as a warning message */
+AIR_API air_status air_scene_add_warning(air_scene *scene,
+                                         const char *text); /* also sent as a warning message */
 
-/* Removes an object. AIR_ERROR_ARGUMENT if the handle names nothing, or something still refers to it. */
+/* Removes an object. AIR_ERROR_ARGUMENT if the handle names nothing, or something still refers to
+ * it. */
 AIR_API air_status air_scene_remove(air_scene *scene, air_handle handle);
 
 /* What changed between two commits. */
@@ -149,39 +181,45 @@ typedef enum air_dirty {
     AIR_DIRTY_MATERIAL = 32
 } air_dirty;
 
-/* Freezes the scene. *out_snapshot is owned by the caller (air_snapshot_release); *out_dirty (may be NULL) is the or of
- * air_dirty since the previous commit (everything on the first). A scene without a camera gets one that frames its
- * bounds. */
-AIR_API air_status air_scene_commit(air_scene *scene, air_snapshot **out_snapshot, uint32_t *out_dirty);
+/* Freezes the scene. *out_snapshot is owned by the caller (air_snapshot_release); *out_dirty (may
+ * be NULL) is the or of air_dirty since the previous commit (everything on the first). A scene
+ * without a camera gets one that frames its bounds. */
+AIR_API air_status air_scene_commit(air_scene *scene, air_snapshot **out_snapshot,
+                                    uint32_t *out_dirty);
 AIR_API void air_snapshot_retain(air_snapshot *snapshot);  /* thread-safe */
 AIR_API void air_snapshot_release(air_snapshot *snapshot); /* thread-safe; NULL is legal */
 
 /* ---- loading ---- */
 
 typedef struct air_load_params {
-    const char *const *with; /* further sidecar files, in order; NAME.airlight.json beside the scene is always read */
+    const char *const *with; /* further sidecar files, in order; NAME.airlight.json beside the scene
+                                is always read */
     size_t with_count;
-    const char *const *media; /* command-line media such as "box=-1,0,-1:1,2,1,sigma_s=0.2,g=0.3" or "visibility=50" */
+    const char *const *media; /* command-line media such as "box=-1,0,-1:1,2,1,sigma_s=0.2,g=0.3" or
+                                 "visibility=50" */
     size_t media_count;
-    const char *environment;  /* lat-long .hdr/.exr, "constant=R,G,B", or NULL */
-    air_units light_units;    /* AUTO: photometric, as KHR_lights_punctual says */
-    air_units emissive_units; /* AUTO: photometric, radiometric for files that Blender's exporter wrote */
-    int32_t scene_index;      /* which glTF scene; -1: the file's default, or the first */
+    const char *environment; /* lat-long .hdr/.exr, "constant=R,G,B", or NULL */
+    air_units light_units;   /* AUTO: photometric, as KHR_lights_punctual says */
+    air_units
+        emissive_units; /* AUTO: photometric, radiometric for files that Blender's exporter wrote */
+    int32_t scene_index; /* which glTF scene; -1: the file's default, or the first */
 } air_load_params;
 
 AIR_API void air_load_params_default(air_load_params *params);
 
-/* Loads a .gltf or .glb scene with what its sidecar says. On failure *out_scene is NULL and the message names the
- * file, the place (JSON path or byte) and what was expected. */
-AIR_API air_status air_scene_load(air_context *context, const char *path, const air_load_params *params,
-                                  air_scene **out_scene);
+/* Loads a .gltf or .glb scene with what its sidecar says. On failure *out_scene is NULL and the
+ * message names the file, the place (JSON path or byte) and what was expected. */
+AIR_API air_status air_scene_load(air_context *context, const char *path,
+                                  const air_load_params *params, air_scene **out_scene);
 
 /* ---- looking ---- */
 
 typedef struct air_scene_info {
-    size_t triangle_count, mesh_count, material_count, texture_count, light_count, emissive_triangle_count;
+    size_t triangle_count, mesh_count, material_count, texture_count, light_count,
+        emissive_triangle_count;
     size_t medium_count, camera_count;
-    float bounds_min[3], bounds_max[3]; /* of meshes and bounded media; min > max if there are none */
+    float bounds_min[3],
+        bounds_max[3]; /* of meshes and bounded media; min > max if there are none */
     bool camera_in_file;
     bool light_present;
 } air_scene_info;

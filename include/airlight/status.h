@@ -1,8 +1,8 @@
 /* status.h: what a fallible function returns.
  *
- * Every fallible airlight function returns an air_status; AIR_OK is 0. The sentence that says which file, which
- * place and what was expected goes to the context's message callback and is kept per thread
- * (air_context_last_error). */
+ * Every fallible airlight function returns an air_status; AIR_OK is 0. The sentence that says which
+ * file, which place and what was expected goes to the context's message callback and is kept per
+ * thread (air_context_last_error). */
 #ifndef AIRLIGHT_STATUS_H
 #define AIRLIGHT_STATUS_H
 

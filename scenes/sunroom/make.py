@@ -20,8 +20,8 @@ WALL = 0.35
 WINDOWS = (-1.86, 0.0, 1.86)  # centres along z
 WINDOW_HALF, SILL, LINTEL = 0.68, 0.14, 2.42
 
-SUN_TRAVELS = (0.80, -0.46, 0.24)
-SUN_IRRADIANCE = (22.0, 17.5, 12.0)  # W/m^2: about 12,000 lx
+SUN_TRAVELS = (0.86, -0.37, 0.27)
+SUN_IRRADIANCE = (20.0, 16.5, 12.0)  # W/m^2: about 12,000 lx
 SKY_RADIANCE = (0.42, 0.60, 0.90)
 LAMP_RADIANCE = (64.0, 39.0, 18.0)
 HAZE = {"sigma_s": [0.11, 0.11, 0.11], "sigma_a": [0.004, 0.004, 0.004], "g": 0.45}
@@ -167,7 +167,7 @@ def curtains(builder, paint):
     cloth, rods = Shape(paint["curtain"]), Shape(paint["brass"])
     for centre in WINDOWS:
         for side in (-1, 1):
-            inner, outer = centre + side * (WINDOW_HALF - 0.06), centre + side * (WINDOW_HALF + 0.19)
+            inner, outer = centre + side * (WINDOW_HALF - 0.015), centre + side * (WINDOW_HALF + 0.2)
             # Seen from the room, right runs towards -z.
             z0, z1 = (outer, inner) if side > 0 else (inner, outer)
             rows = []
@@ -404,7 +404,7 @@ def garden(builder, paint):
     # No tree is high enough to shade the windows: 12 m away the sun passes 0.7 + 0.6 * 12 m up.
     for _ in range(14):
         x, z = rng.uniform(-26.0, -13.0), rng.uniform(-24.0, 9.0)
-        size = rng.uniform(1.2, 2.1)
+        size = rng.uniform(1.1, 1.75)
         trees.join(blob(paint["tree"], (x, 0.8 * size - 0.4, z), (size, 1.1 * size, size), lambda p, x=x, z=z: (
             1.0 + 0.22 * math.sin(5.0 * p[0] + z) * math.sin(6.0 * p[1] + x) + rng.uniform(-0.07, 0.07))))
     builder.mesh("trees", trees)
@@ -433,8 +433,8 @@ def sidecar():
 def materials(builder):
     planks = builder.texture("planks.png")
     paint = {
-        "plaster": builder.material("plaster", (0.50, 0.43, 0.34), specular=0.0),
-        "ceiling": builder.material("ceiling", (0.42, 0.36, 0.28), specular=0.0),
+        "plaster": builder.material("plaster", (0.40, 0.46, 0.44), specular=0.0),
+        "ceiling": builder.material("ceiling", (0.58, 0.56, 0.52), specular=0.0),
         "planks": builder.material("planks", (0.85, 0.85, 0.85), roughness=0.42, texture=planks),
         "boards": builder.material("boards", (1.0, 0.92, 0.85), roughness=0.38, texture=planks),
         "oak": builder.material("oak", (0.36, 0.20, 0.095), roughness=0.5),
@@ -445,7 +445,7 @@ def materials(builder):
         "glaze": builder.material("glaze", (0.05, 0.16, 0.24), roughness=0.22),
         "leaf": builder.material("leaf", (0.09, 0.20, 0.05), roughness=0.6, double_sided=True),
         "terracotta": builder.material("terracotta", (0.48, 0.19, 0.10), specular=0.0),
-        "sofa": builder.material("sofa", (0.07, 0.15, 0.18), specular=0.0),
+        "sofa": builder.material("sofa", (0.16, 0.24, 0.27), specular=0.0),
         "cushion": builder.material("cushion", (0.60, 0.26, 0.06), specular=0.0),
         "rug": builder.material("rug", (1.0, 1.0, 1.0), specular=0.0, texture=builder.texture("rug.png")),
         "painting": builder.material("painting", (1.0, 1.0, 1.0), specular=0.0,
@@ -471,7 +471,7 @@ def main():
     paint = materials(builder)
     for part in (walls, windows, curtains, table, chairs, on_table, sofa, bookcase, pictures, rug, lamp, plant, garden):
         part(builder, paint)
-    builder.camera("camera", (2.95, 1.42, 1.0), (-1.5, 1.10, -0.62), math.radians(48.0), 16.0 / 9.0)
+    builder.camera("camera", (2.95, 1.42, 1.0), (-1.5, 1.12, -0.85), math.radians(48.0), 16.0 / 9.0)
     builder.write(FOLDER, "sunroom")
     write_json(os.path.join(FOLDER, "sunroom.airlight.json"), sidecar())
 

@@ -2,7 +2,8 @@
 
 enum { BITS = 16, DIMENSIONS = 4 };
 
-/* Primitive polynomials and initial direction numbers of dimensions 2 to 4 [Joe2008]; dimension 1 is van der Corput. */
+/* Primitive polynomials and initial direction numbers of dimensions 2 to 4 [Joe2008]; dimension 1
+ * is van der Corput. */
 typedef struct direction_seed {
     uint32_t degree, coefficients, initial[3];
 } direction_seed;

@@ -1,9 +1,10 @@
 /* sobol.h: Owen-scrambled Sobol samples, padded in sets of four dimensions.
  *
- * A sample is keyed by (pixel, sample index, set). Within a set the four dimensions are those of one Sobol sequence; sets
- * are decorrelated by shuffling the index and scrambling anew [Burley2020], so an integral that uses one set converges
- * as (0,2)- or better sequences do. Scrambling is nested uniform (Owen) by hashing [Laine2011] with the constants of
- * [Vegdahl2021]. Indices are taken 65,536 at a time; each such run has a scramble of its own. */
+ * A sample is keyed by (pixel, sample index, set). Within a set the four dimensions are those of
+ * one Sobol sequence; sets are decorrelated by shuffling the index and scrambling anew
+ * [Burley2020], so an integral that uses one set converges as (0,2)- or better sequences do.
+ * Scrambling is nested uniform (Owen) by hashing [Laine2011] with the constants of [Vegdahl2021].
+ * Indices are taken 65,536 at a time; each such run has a scramble of its own. */
 #ifndef AIR_CORE_SOBOL_H
 #define AIR_CORE_SOBOL_H
 
@@ -28,7 +29,8 @@ typedef struct air_sampler {
     uint32_t index; /* within the run of 65,536 */
 } air_sampler;
 
-static inline air_sampler air_sampler_make(const air_sobol *sobol, uint32_t pixel_seed, uint32_t index)
+static inline air_sampler air_sampler_make(const air_sobol *sobol, uint32_t pixel_seed,
+                                           uint32_t index)
 {
     return (air_sampler){sobol, air_hash_combine(pixel_seed, index >> 16), index & 0xffffu};
 }
@@ -50,7 +52,8 @@ static inline air_u32x4 air_reverse_bits4(air_u32x4 x)
     return ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
 }
 
-/* Nested uniform scramble of bits in reversed order: a bit is flipped depending on those below it. */
+/* Nested uniform scramble of bits in reversed order: a bit is flipped depending on those below it.
+ */
 static inline uint32_t air_owen_reversed(uint32_t x, uint32_t seed)
 {
     x ^= x * 0x3d20adeau;
@@ -87,10 +90,10 @@ static inline air_f32x4 air_sampler_get(const air_sampler *sampler, uint32_t set
     const uint32_t seed = air_hash_combine(sampler->seed, set);
     const uint32_t shuffled =
         air_reverse_bits(air_owen_reversed(air_reverse_bits(sampler->index), seed)) & 0xffffu;
-    const air_u32x4 point = sampler->sobol->low[shuffled & 255u] ^ sampler->sobol->high[shuffled >> 8];
+    const air_u32x4 point =
+        sampler->sobol->low[shuffled & 255u] ^ sampler->sobol->high[shuffled >> 8];
     const air_u32x4 lanes = {0x68bc21ebu, 0x02e5be93u, 0x967a889bu, 0x31848babu};
-    const air_u32x4 bits =
-        air_reverse_bits4(air_owen_reversed4(point, air_hash32x4(lanes ^ seed)));
+    const air_u32x4 bits = air_reverse_bits4(air_owen_reversed4(point, air_hash32x4(lanes ^ seed)));
     return __builtin_convertvector((air_i32x4)(bits >> 8), air_f32x4) * 0x1p-24f;
 }
 

@@ -1,14 +1,16 @@
-/* vec.h: three-vectors of float (points, directions, RGB), frames and 3x4 affine maps; all inline. */
+/* vec.h: three-vectors of float (points, directions, RGB), frames and 3x4 affine maps; all inline.
+ */
 #ifndef AIR_CORE_VEC_H
 #define AIR_CORE_VEC_H
 
 #include <math.h>
 #include <stdbool.h>
 
-#define AIR_PI 3.14159265358979323846
+#define AIR_PI   3.14159265358979323846
 #define AIR_PI_F 3.14159265358979f
 
-/* One instruction each; fminf and fmaxf are calls, for the sake of NaN. Where one operand is NaN, the second is given. */
+/* One instruction each; fminf and fmaxf are calls, for the sake of NaN. Where one operand is NaN,
+ * the second is given. */
 static inline float float_min(float a, float b) { return a < b ? a : b; }
 static inline float float_max(float a, float b) { return a > b ? a : b; }
 
@@ -25,9 +27,18 @@ static inline void vec3_store(float out[3], air_vec3 v)
     out[1] = v.y;
     out[2] = v.z;
 }
-static inline air_vec3 vec3_add(air_vec3 a, air_vec3 b) { return vec3(a.x + b.x, a.y + b.y, a.z + b.z); }
-static inline air_vec3 vec3_sub(air_vec3 a, air_vec3 b) { return vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
-static inline air_vec3 vec3_mul(air_vec3 a, air_vec3 b) { return vec3(a.x * b.x, a.y * b.y, a.z * b.z); }
+static inline air_vec3 vec3_add(air_vec3 a, air_vec3 b)
+{
+    return vec3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+static inline air_vec3 vec3_sub(air_vec3 a, air_vec3 b)
+{
+    return vec3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+static inline air_vec3 vec3_mul(air_vec3 a, air_vec3 b)
+{
+    return vec3(a.x * b.x, a.y * b.y, a.z * b.z);
+}
 static inline air_vec3 vec3_scale(air_vec3 a, float s) { return vec3(a.x * s, a.y * s, a.z * s); }
 static inline air_vec3 vec3_neg(air_vec3 a) { return vec3(-a.x, -a.y, -a.z); }
 /* a + s b */
@@ -46,10 +57,16 @@ static inline float vec3_max(air_vec3 a) { return float_max(a.x, float_max(a.y, 
 static inline float vec3_min(air_vec3 a) { return float_min(a.x, float_min(a.y, a.z)); }
 static inline float vec3_mean(air_vec3 a) { return (a.x + a.y + a.z) * (1.0f / 3.0f); }
 static inline bool vec3_is_zero(air_vec3 a) { return a.x == 0.0f && a.y == 0.0f && a.z == 0.0f; }
-static inline bool vec3_is_finite(air_vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
+static inline bool vec3_is_finite(air_vec3 a)
+{
+    return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
+}
 static inline air_vec3 vec3_exp(air_vec3 a) { return vec3(expf(a.x), expf(a.y), expf(a.z)); }
 /* Rec. 709 luminance */
-static inline float vec3_luminance(air_vec3 a) { return 0.2126f * a.x + 0.7152f * a.y + 0.0722f * a.z; }
+static inline float vec3_luminance(air_vec3 a)
+{
+    return 0.2126f * a.x + 0.7152f * a.y + 0.0722f * a.z;
+}
 
 /* An orthonormal frame; n is its z axis. */
 typedef struct air_frame {
@@ -77,7 +94,8 @@ static inline air_vec3 frame_to_local(const air_frame *f, air_vec3 v)
 /* 3x4 affine maps: 3 rows of 4. */
 static inline air_vec3 affine_point(const float m[12], air_vec3 p)
 {
-    return vec3(m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
+    return vec3(m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3],
+                m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
                 m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]);
 }
 static inline air_vec3 affine_vector(const float m[12], air_vec3 v)

@@ -4,7 +4,8 @@
 
 #include "image/format.h"
 
-/* What OpenEXRCore's callbacks see. Its sentences are kept while the header is parsed, which one thread does. */
+/* What OpenEXRCore's callbacks see. Its sentences are kept while the header is parsed, which one
+ * thread does. */
 typedef struct exr_input {
     const air_source *source;
     bool keep_message;
@@ -48,14 +49,14 @@ static void keep_message(exr_const_context_t file, exr_result_t code, const char
 
 static air_status fail_exr(air_context *context, const exr_input *input, exr_result_t code)
 {
-    return air_fail(context,
-                    code == EXR_ERR_OUT_OF_MEMORY ? AIR_ERROR_MEMORY : AIR_ERROR_FORMAT,
+    return air_fail(context, code == EXR_ERR_OUT_OF_MEMORY ? AIR_ERROR_MEMORY : AIR_ERROR_FORMAT,
                     "%s: not a readable OpenEXR file: %s", input->source->path,
                     input->message[0] != '\0' ? input->message
                                               : exr_get_default_error_message(code));
 }
 
-/* How the data window is cut into chunks: columns x rows of them, each width x height pixels at most. */
+/* How the data window is cut into chunks: columns x rows of them, each width x height pixels at
+ * most. */
 typedef struct exr_layout {
     int32_t width, height, columns, rows;
 } exr_layout;
@@ -77,8 +78,8 @@ static air_status check_channels(air_context *context, const char *path, const e
 {
     const int count = part->channels->num_channels;
     if (count < 1 || count > AIR_IMAGE_MAX_CHANNELS) {
-        return air_fail(context, AIR_ERROR_FORMAT, "%s: %d channels, expected 1 to %d", path,
-                        count, AIR_IMAGE_MAX_CHANNELS);
+        return air_fail(context, AIR_ERROR_FORMAT, "%s: %d channels, expected 1 to %d", path, count,
+                        AIR_IMAGE_MAX_CHANNELS);
     }
     for (int i = 0; i < count; i++) {
         const exr_attr_chlist_entry_t *const entry = &part->channels->entries[i];
@@ -188,15 +189,15 @@ static air_status fail_chunk(air_context *context, const exr_input *input, const
     int64_t x;
     int64_t y;
     chunk_corner(part, index, &x, &y);
-    return air_fail(context,
-                    result == EXR_ERR_OUT_OF_MEMORY ? AIR_ERROR_MEMORY : AIR_ERROR_FORMAT,
+    return air_fail(context, result == EXR_ERR_OUT_OF_MEMORY ? AIR_ERROR_MEMORY : AIR_ERROR_FORMAT,
                     "%s: truncated or damaged: the block of pixels at (%lld,%lld) cannot be read: "
                     "%s",
                     input->source->path, (long long)x, (long long)y,
                     exr_get_default_error_message(result));
 }
 
-/* Looks up every chunk before any memory for pixels is taken, so that a short file that claims to be large is cheap. */
+/* Looks up every chunk before any memory for pixels is taken, so that a short file that claims to
+ * be large is cheap. */
 static air_status find_chunks(air_context *context, const exr_input *input, exr_part *part)
 {
     const exr_result_t layout_result = get_layout(part, &part->layout);
@@ -356,7 +357,8 @@ static air_status read_pixels(air_context *context, const exr_input *input, cons
     return status;
 }
 
-/* String attributes; those that the format itself puts into multi-part files ("name", "type") stay out. */
+/* String attributes; those that the format itself puts into multi-part files ("name", "type") stay
+ * out. */
 static air_status read_attributes(const exr_part *part, air_image *image)
 {
     int32_t count = 0;

@@ -68,8 +68,8 @@ static air_status write_header(const air_sink *sink, const air_image *image, con
         }
     }
     for (size_t i = 0; i < image->attribute_count; i++) {
-        result = exr_attr_set_string(file, 0, image->attributes[i].name,
-                                     image->attributes[i].value);
+        result =
+            exr_attr_set_string(file, 0, image->attributes[i].name, image->attributes[i].value);
         if (result != EXR_ERR_SUCCESS) {
             return fail_exr(sink, path, image->attributes[i].name, result);
         }
@@ -127,8 +127,8 @@ static exr_result_t encode_rows(const exr_encode_job *job, size_t first, const f
     const size_t count = job->width * (size_t)chunk.height;
     for (size_t c = 0; c < job->channel_count; c++) {
         exr_coding_channel_info_t *const channel = &encode->channels[c];
-        const float *const rows = clamped != NULL ? clamped + c * count
-                                                  : job->planes[c].pixels + first * job->width;
+        const float *const rows =
+            clamped != NULL ? clamped + c * count : job->planes[c].pixels + first * job->width;
         channel->user_data_type = EXR_PIXEL_FLOAT;
         channel->user_bytes_per_element = sizeof(float);
         channel->user_pixel_stride = sizeof(float);
@@ -169,12 +169,10 @@ static exr_result_t flush_block(const exr_encode_job *job, size_t index)
     exr_encode_pipeline_t *const encode = &job->pipelines[index];
     exr_result_t result = job->results[index];
     if (result == EXR_ERR_SUCCESS) {
-        /* compressed_buffer is where it all is, also when compression did not pay. */
-        const bool packed = encode->compressed_buffer != NULL && encode->compressed_bytes > 0;
-        result = exr_write_scanline_chunk(
-            job->file, 0, (int)((job->first_block + index) * job->block_height),
-            packed ? encode->compressed_buffer : encode->packed_buffer,
-            packed ? encode->compressed_bytes : encode->packed_bytes);
+        /* The buffer to be written, also when compression did not pay. */
+        result = exr_write_scanline_chunk(job->file, 0,
+                                          (int)((job->first_block + index) * job->block_height),
+                                          encode->compressed_buffer, encode->compressed_bytes);
     }
     (void)exr_encoding_destroy(job->file, encode);
     *encode = (exr_encode_pipeline_t)EXR_ENCODE_PIPELINE_INITIALIZER;

@@ -18,8 +18,9 @@ static air_vec3 rgb_from_oklab(float lightness, float a, float b)
                 -0.0041960863f * l3 - 0.7034186147f * m3 + 1.7076147010f * s3);
 }
 
-/* The map: in Oklab, in which equal steps look equal, lightness rises linearly while the hue turns from violet over red and
- * orange to yellow; the chroma is an arc that keeps the whole curve within the sRGB gamut. t in [0,1]. */
+/* The map: in Oklab, in which equal steps look equal, lightness rises linearly while the hue turns
+ * from violet over red and orange to yellow; the chroma is an arc that keeps the whole curve within
+ * the sRGB gamut. t in [0,1]. */
 static air_vec3 colour_map(float t)
 {
     const float lightness = 0.16f + 0.80f * t;

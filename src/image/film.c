@@ -246,8 +246,8 @@ air_status air_film_merge(air_film *film, const air_film *other)
         air_film_node node;
         status = air_film_node_create(film, from->begin, from->end, &node);
         if (status == AIR_OK) {
-            memcpy(node.sums, from->sums, air_film_pixel_count(film) * film->layout.stride *
-                                              sizeof *node.sums);
+            memcpy(node.sums, from->sums,
+                   air_film_pixel_count(film) * film->layout.stride * sizeof *node.sums);
             status = air_film_add(film, &node);
             air_free(film->context, node.sums);
         }
@@ -267,17 +267,33 @@ static air_film_attribute *find_attribute(air_film *film, const char *name)
     return NULL;
 }
 
+static void remove_attribute(air_film *film, air_film_attribute *attribute)
+{
+    air_free(film->context, attribute->name);
+    air_free(film->context, attribute->value);
+    const size_t index = (size_t)(attribute - film->attributes);
+    film->attribute_count--;
+    memmove(attribute, attribute + 1, (film->attribute_count - index) * sizeof *attribute);
+}
+
 air_status air_film_set_attribute(air_film *film, const char *name, const char *value)
 {
+    air_film_attribute *old = find_attribute(film, name);
+    if (value == NULL) {
+        if (old != NULL) {
+            remove_attribute(film, old);
+        }
+        return AIR_OK;
+    }
     char *copy = air_string_copy(film->context, value);
     char *key = NULL;
-    air_film_attribute *grown = find_attribute(film, name);
+    air_film_attribute *grown;
     if (copy == NULL) {
         goto out_of_memory;
     }
-    if (grown != NULL) {
-        air_free(film->context, grown->value);
-        grown->value = copy;
+    if (old != NULL) {
+        air_free(film->context, old->value);
+        old->value = copy;
         return AIR_OK;
     }
     key = air_string_copy(film->context, name);

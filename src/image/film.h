@@ -1,8 +1,8 @@
 /* film.h: raw sums of a picture, kept so that any split of the samples gives the same bytes.
  *
- * Samples are summed in blocks of 16 in index order; blocks are summed pairwise in the binary tree that their indices span. A
- * film therefore holds one node per aligned power-of-two run of blocks, and two films that together cover a run merge to
- * what one render of the run would have summed. */
+ * Samples are summed in blocks of 16 in index order; blocks are summed pairwise in the binary tree
+ * that their indices span. A film therefore holds one node per aligned power-of-two run of blocks,
+ * and two films that together cover a run merge to what one render of the run would have summed. */
 #ifndef AIR_IMAGE_FILM_H
 #define AIR_IMAGE_FILM_H
 
@@ -12,10 +12,11 @@
 enum { AIR_FILM_BLOCK = 16, AIR_FILM_MAX_SLOTS = 32, AIR_FILM_NAME = 16, AIR_FILM_MAX_LEVELS = 32 };
 
 typedef enum air_slot_kind {
-    AIR_SLOT_TERM = 0,    /* 3 sums, part of beauty, a layer */
-    AIR_SLOT_RATIO = 1,   /* analytic, unoccluded, occluded: 3 sums each; resolves to A/n * O/U, part of beauty */
-    AIR_SLOT_GUIDE = 2,   /* sums, not part of beauty */
-    AIR_SLOT_SQUARES = 3  /* 3 sums over replicates of the squared sum of beauty */
+    AIR_SLOT_TERM = 0, /* 3 sums, part of beauty, a layer */
+    AIR_SLOT_RATIO =
+        1, /* analytic, unoccluded, occluded: 3 sums each; resolves to A/n * O/U, part of beauty */
+    AIR_SLOT_GUIDE = 2,  /* sums, not part of beauty */
+    AIR_SLOT_SQUARES = 3 /* 3 sums over replicates of the squared sum of beauty */
 } air_slot_kind;
 
 typedef struct air_film_slot {
@@ -49,7 +50,7 @@ struct air_film {
     uint32_t width, height; /* of the whole picture */
     uint32_t crop[4];
     uint64_t seed;
-    uint64_t settings; /* hash of what must agree for films to be merged */
+    uint64_t settings;       /* hash of what must agree for films to be merged */
     uint32_t replicate_size; /* samples per replicate; 0: none */
     air_film_layout layout;
     air_film_node *nodes; /* sorted by begin, disjoint */
@@ -63,15 +64,18 @@ air_status air_film_create(air_context *context, const air_film *description, ai
 
 size_t air_film_pixel_count(const air_film *film);
 
-/* The longest run that starts at begin, is aligned to its length and ends by `end`: the next node's end. */
+/* The longest run that starts at begin, is aligned to its length and ends by `end`: the next node's
+ * end. */
 uint32_t air_film_node_end(uint32_t begin, uint32_t end);
 
 /* Allocates sums for a node that is to be filled and then given to air_film_add. */
-air_status air_film_node_create(const air_film *film, uint32_t begin, uint32_t end, air_film_node *out);
+air_status air_film_node_create(const air_film *film, uint32_t begin, uint32_t end,
+                                air_film_node *out);
 /* Takes the node's sums and joins siblings; on failure the node stays the caller's. */
 air_status air_film_add(air_film *film, air_film_node *node);
 
-/* Adds up a pixel's blocks as the tree has them: push each block's sums in order, then read the total. */
+/* Adds up a pixel's blocks as the tree has them: push each block's sums in order, then read the
+ * total. */
 typedef struct air_block_stack {
     uint32_t stride;
     uint32_t levels[AIR_FILM_MAX_LEVELS]; /* log2 of the blocks in each entry */

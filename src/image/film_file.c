@@ -1,4 +1,5 @@
-/* film_file.c: films on disk, docs/film-format.md. Little-endian, as every machine this is built for. */
+/* film_file.c: films on disk, docs/film-format.md. Little-endian, as every machine this is built
+ * for. */
 #include <string.h>
 
 #include "image/film.h"

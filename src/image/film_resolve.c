@@ -106,9 +106,10 @@ static double beauty(const air_film *film, const double *sums, uint32_t c, doubl
     return sum;
 }
 
-/* Of the mean over R replicates of n samples each: sum of squared deviations of their means over R (R - 1). */
-static double variance(const air_film *film, const air_film_slot *slot, const double *sums, uint32_t c,
-                       double count)
+/* Of the mean over R replicates of n samples each: sum of squared deviations of their means over R
+ * (R - 1). */
+static double variance(const air_film *film, const air_film_slot *slot, const double *sums,
+                       uint32_t c, double count)
 {
     const double n = film->replicate_size, replicates = count / n;
     const double centre = beauty(film, sums, c, count);
@@ -152,7 +153,8 @@ air_status air_film_resolve(const air_film *film, const air_resolve_params *para
     }
     air_status status = create_image(film, params, &image);
     for (size_t i = 0; i < film->attribute_count && status == AIR_OK; i++) {
-        status = air_image_set_attribute(image, film->attributes[i].name, film->attributes[i].value);
+        status =
+            air_image_set_attribute(image, film->attributes[i].name, film->attributes[i].value);
     }
     if (status == AIR_OK) {
         sums = air_allocate(film->context, film->layout.stride, sizeof *sums);

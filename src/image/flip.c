@@ -1,5 +1,5 @@
-/* flip.c: FLIP from the formulas of the papers. Convolutions are separable; the pictures are continued beyond their borders
- * by the pixels at the border. */
+/* flip.c: FLIP from the formulas of the papers. Convolutions are separable; the pictures are
+ * continued beyond their borders by the pixels at the border. */
 #include "image/flip.h"
 
 #include <math.h>
@@ -13,7 +13,8 @@ enum { MAX_RADIUS = 144 };
 
 /* ---- colour [Andersson2020, sec. 4.1] ---- */
 
-/* Linear Rec. 709 to XYZ with the white point x = 0.31271, y = 0.32902, its inverse, and the XYZ of white. */
+/* Linear Rec. 709 to XYZ with the white point x = 0.31271, y = 0.32902, its inverse, and the XYZ of
+ * white. */
 static const float xyz_from_rgb[9] = {0.412386563f, 0.357591491f, 0.180450491f,
                                       0.212636822f, 0.715182982f, 0.072180197f,
                                       0.019330620f, 0.119197164f, 0.950372587f};
@@ -86,7 +87,8 @@ typedef struct kernel {
     size_t radius;
 } kernel;
 
-/* A kernel of f(x), x in pixels from the centre, whose positive weights sum to 1 and whose negative ones to -1. */
+/* A kernel of f(x), x in pixels from the centre, whose positive weights sum to 1 and whose negative
+ * ones to -1. */
 static kernel make_kernel(size_t radius, double (*f)(double x, double scale), double scale)
 {
     kernel k = {.radius = radius};
@@ -131,7 +133,8 @@ static double sigma_of_b(double b, double pixels_per_degree)
 }
 
 /* The share of Gaussian i in the normalised two-dimensional filter. */
-static double gaussian_share(const sensitivity *s, size_t i, size_t radius, double pixels_per_degree)
+static double gaussian_share(const sensitivity *s, size_t i, size_t radius,
+                             double pixels_per_degree)
 {
     double mass[2];
     for (size_t j = 0; j < 2; j++) {
@@ -305,8 +308,8 @@ static void filter_colour(const flip *state, const picture *p)
     air_parallel_for(state->context, state->height, lab_row, &job);
 }
 
-/* Edges and points: gradient magnitudes of the first and second derivative of a Gaussian as wide as an edge is seen to be,
- * 0.082 degrees [Andersson2020, sec. 4.2]. */
+/* Edges and points: gradient magnitudes of the first and second derivative of a Gaussian as wide as
+ * an edge is seen to be, 0.082 degrees [Andersson2020, sec. 4.2]. */
 static void detect_features(const flip *state, const picture *p)
 {
     const double sigma = 0.5 * 0.082 * state->pixels_per_degree;
@@ -338,8 +341,8 @@ static void analyse(const flip *state, const picture *p)
 
 /* ---- the difference ---- */
 
-/* Colour difference in [0,1]: compressed by a power, and the upper part, of which there is too much, squeezed
- * [Andersson2020, sec. 4.1.3]. */
+/* Colour difference in [0,1]: compressed by a power, and the upper part, of which there is too
+ * much, squeezed [Andersson2020, sec. 4.1.3]. */
 static float colour_difference(air_vec3 a, air_vec3 b, float largest)
 {
     const float exponent = 0.7f;
@@ -381,8 +384,10 @@ static void difference_row(void *user, size_t y, size_t worker)
             lab[p] = vec3(planes[PLANE_L][i], planes[PLANE_A][i], planes[PLANE_B][i]);
         }
         const float colour = colour_difference(lab[0], lab[1], largest);
-        /* [Andersson2020, eq. 6]; features amplify, also where the colour difference is small, but 0 stays 0. */
-        const float value = colour > 0.0f ? powf(colour, 1.0f - feature_difference(state, i)) : 0.0f;
+        /* [Andersson2020, eq. 6]; features amplify, also where the colour difference is small, but
+         * 0 stays 0. */
+        const float value =
+            colour > 0.0f ? powf(colour, 1.0f - feature_difference(state, i)) : 0.0f;
         state->map[i] = fmaxf(state->map[i], fminf(value, 1.0f));
     }
 }
@@ -446,7 +451,8 @@ air_status air_flip_ldr(air_context *context, const air_flip_pair *pair, float *
 
 /* ---- HDR [Andersson2021] ---- */
 
-/* The ACES film curve (a x^2 + b x) / (c x^2 + d x + e) [Narkowicz2016] with x scaled by 0.6, as HDR-FLIP uses it. */
+/* The ACES film curve (a x^2 + b x) / (c x^2 + d x + e) [Narkowicz2016] with x scaled by 0.6, as
+ * HDR-FLIP uses it. */
 static const double aces[5] = {0.6 * 0.6 * 2.51, 0.6 * 0.03, 0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14};
 
 static float tone_map(float x)
@@ -485,7 +491,8 @@ air_status air_flip_exposures(air_context *context, const float *const reference
     const double a = aces[0] - t * aces[2];
     const double b = aces[1] - t * aces[3];
     const double bright = (-b + sqrt(b * b + 4.0 * a * t * aces[4])) / (2.0 * a);
-    const double floor_value = 1.1920929e-7; /* the smallest luminance considered, float's epsilon */
+    const double floor_value =
+        1.1920929e-7; /* the smallest luminance considered, float's epsilon */
     *out_start = log2(bright / fmax(largest, floor_value));
     *out_stop = log2(bright / fmax(median, floor_value));
     *out_count = (size_t)fmax(2.0, ceil(*out_stop - *out_start));

@@ -132,8 +132,7 @@ air_status air_format_check_size(air_context *context, const char *path, uint64_
     if (width < 1 || height < 1 || width > AIR_IMAGE_MAX_SIDE || height > AIR_IMAGE_MAX_SIDE) {
         return air_fail(context, AIR_ERROR_FORMAT,
                         "%s: the picture is %llu x %llu, each side must be 1 to %d", path,
-                        (unsigned long long)width, (unsigned long long)height,
-                        AIR_IMAGE_MAX_SIDE);
+                        (unsigned long long)width, (unsigned long long)height, AIR_IMAGE_MAX_SIDE);
     }
     if (width * height > max_bytes / bytes_per_pixel) {
         return air_fail(context, AIR_ERROR_FORMAT,

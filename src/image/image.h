@@ -24,8 +24,9 @@ struct air_image {
 /* The channels of a colour image: R,G,B, or Y three times. False if it has neither. */
 bool air_image_colour(const air_image *image, const float *out_planes[3]);
 
-/* Is the value neither NaN nor infinite in all three planes? The index of the first pixel where it is not goes to
- * *out_first, their number is returned. */
-size_t air_image_count_not_finite(const float *const planes[3], size_t pixel_count, size_t *out_first);
+/* Is the value neither NaN nor infinite in all three planes? The index of the first pixel where it
+ * is not goes to *out_first, their number is returned. */
+size_t air_image_count_not_finite(const float *const planes[3], size_t pixel_count,
+                                  size_t *out_first);
 
 #endif

@@ -39,8 +39,8 @@ static air_status check_pair(air_context *context, const air_image *a, const air
     return AIR_OK;
 }
 
-static air_status check_finite(air_context *context, const char *name,
-                               const float *const planes[3], size_t width, size_t count)
+static air_status check_finite(air_context *context, const char *name, const float *const planes[3],
+                               size_t width, size_t count)
 {
     size_t first = 0;
     const size_t bad = air_image_count_not_finite(planes, count, &first);
@@ -162,9 +162,8 @@ static air_status ldr_flip(air_context *context, const comparison *c, float *out
         return air_fail_memory(context, "FLIP");
     }
     view_job job = {.comparison = c};
-    air_flip_pair pair = {.width = c->width,
-                          .height = c->height,
-                          .pixels_per_degree = c->params->pixels_per_degree};
+    air_flip_pair pair = {
+        .width = c->width, .height = c->height, .pixels_per_degree = c->params->pixels_per_degree};
     for (size_t k = 0; k < 3; k++) {
         pair.test[k] = job.shown[k] = pixels + k * count;
         pair.reference[k] = job.shown[3 + k] = pixels + (3 + k) * count;

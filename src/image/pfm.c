@@ -1,4 +1,5 @@
-/* pfm.c: portable float maps: "PF" or "Pf", size, a scale whose sign tells the byte order, then rows from the bottom. */
+/* pfm.c: portable float maps: "PF" or "Pf", size, a scale whose sign tells the byte order, then
+ * rows from the bottom. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +14,8 @@ typedef struct pfm_header {
 
 static bool is_space(uint8_t c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-/* The next word, at most 31 bytes; *position goes to the byte behind it. False at the end of data. */
+/* The next word, at most 31 bytes; *position goes to the byte behind it. False at the end of data.
+ */
 static bool next_word(const air_source *source, size_t *position, char word[32])
 {
     size_t i = *position;
@@ -99,11 +101,11 @@ air_status air_pfm_read(air_context *context, const air_source *source, air_imag
     }
     const size_t needed = header.width * header.height * header.channels * sizeof(float);
     if (source->size - header.data_offset < needed) {
-        return air_fail(context, AIR_ERROR_FORMAT,
-                        "%s: truncated: %zu x %zu pixels need %zu bytes from byte %zu, the file has "
-                        "%zu bytes",
-                        source->path, header.width, header.height, needed, header.data_offset,
-                        source->size);
+        return air_fail(
+            context, AIR_ERROR_FORMAT,
+            "%s: truncated: %zu x %zu pixels need %zu bytes from byte %zu, the file has "
+            "%zu bytes",
+            source->path, header.width, header.height, needed, header.data_offset, source->size);
     }
     air_image *image = NULL;
     status = air_image_create(context, header.width, header.height, header.channels,

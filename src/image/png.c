@@ -54,8 +54,8 @@ air_status air_png_read(air_context *context, const air_source *source, air_imag
     status = air_format_check_size(context, source->path, picture.width, picture.height,
                                    out_channels * sizeof(float));
     if (status == AIR_OK) {
-        status = air_image_create(context, picture.width, picture.height, out_channels, names,
-                                  &image);
+        status =
+            air_image_create(context, picture.width, picture.height, out_channels, names, &image);
     }
     if (status == AIR_OK) {
         const size_t count = picture.width * picture.height;

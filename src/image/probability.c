@@ -1,4 +1,5 @@
-/* probability.c: incomplete beta and gamma functions by their series and continued fractions [DLMF]. */
+/* probability.c: incomplete beta and gamma functions by their series and continued fractions
+ * [DLMF]. */
 #include "image/probability.h"
 
 #include <math.h>
@@ -10,7 +11,8 @@ static const double tiny = 1e-300; /* stands for 0 in a continued fraction's den
 
 static double away_from_zero(double x) { return fabs(x) < tiny ? tiny : x; }
 
-/* A continued fraction by the modified Lentz method; numerators and denominators come in turn. True when it has settled. */
+/* A continued fraction by the modified Lentz method; numerators and denominators come in turn. True
+ * when it has settled. */
 typedef struct lentz {
     double value, c, d;
 } lentz;
@@ -30,14 +32,15 @@ static double log_inverse_beta_half(double a)
     if (a < 1000.0) {
         return lgamma(a + 0.5) - lgamma(a) - 0.5 * log(AIR_PI);
     }
-    /* The difference would cancel; the series' next term is -21/(32768 a^4), below 1e-15 [DLMF, 5.11.13]. */
+    /* The difference would cancel; the series' next term is -21/(32768 a^4), below 1e-15
+     * [DLMF, 5.11.13]. */
     const double series =
         1.0 - 1.0 / (8.0 * a) + 1.0 / (128.0 * a * a) + 5.0 / (1024.0 * a * a * a);
     return 0.5 * log(a / AIR_PI) + log(series);
 }
 
-/* I_x(a, b) where x < (a + 1)/(a + b + 2), in which the fraction converges fast [DLMF, 8.17.22]. log_front is the logarithm
- * of x^a (1 - x)^b / B(a, b). */
+/* I_x(a, b) where x < (a + 1)/(a + b + 2), in which the fraction converges fast [DLMF, 8.17.22].
+ * log_front is the logarithm of x^a (1 - x)^b / B(a, b). */
 static double beta_fraction(double x, double log_front, double a, double b)
 {
     lentz state = {1.0, 1.0, 0.0};
@@ -118,8 +121,8 @@ double air_chi_square_upper(double x, double n)
 double air_normal_two_sided_score(double p)
 {
     const double log_p = log(fmin(fmax(p, tiny), 1.0));
-    /* Newton's method on log P(|Z| >= z), which is concave and at most -z^2/2: from that bound on, steps go down to the root
-     * without passing it. */
+    /* Newton's method on log P(|Z| >= z), which is concave and at most -z^2/2: from that bound on,
+     * steps go down to the root without passing it. */
     double z = sqrt(-2.0 * log_p);
     double step = 1.0;
     for (int i = 0; i < 100 && step > 1e-15 * z; i++) {

@@ -1,4 +1,5 @@
-/* srgb.h: the sRGB transfer function [IEC61966-2-1] between display-linear and encoded values in [0,1]. */
+/* srgb.h: the sRGB transfer function [IEC61966-2-1] between display-linear and encoded values in
+ * [0,1]. */
 #ifndef AIR_IMAGE_SRGB_H
 #define AIR_IMAGE_SRGB_H
 

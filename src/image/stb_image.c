@@ -6,7 +6,8 @@
 #include <string.h>
 #include <zlib.h>
 
-/* zlib's compressor, because the one in stb_image_write leaves files a quarter larger. stb frees the result. */
+/* zlib's compressor: its files are a third smaller than those of the one in stb_image_write. stb
+ * frees the result. */
 static unsigned char *compress_for_png(unsigned char *data, int size, int *out_size, int level)
 {
     uLongf packed_size = compressBound((uLong)size);
@@ -35,8 +36,10 @@ static unsigned char *compress_for_png(unsigned char *data, int size, int *out_s
 #pragma GCC diagnostic ignored "-Wcast-qual"
 #pragma GCC diagnostic ignored "-Wunused-but-set-variable"
 #ifdef __clang__
-/* For a PNG with an empty chunk of data stb adds 0 to NULL and copies 0 bytes there, at which the sanitizer would stop. */
-#pragma clang attribute push(__attribute__((no_sanitize("pointer-overflow", "nonnull-attribute"))), apply_to = function)
+/* For a PNG with an empty chunk of data stb adds 0 to NULL and copies 0 bytes there, at which the
+ * sanitizer would stop. */
+#pragma clang attribute push(                                                                      \
+    __attribute__((no_sanitize("pointer-overflow", "nonnull-attribute"))), apply_to = function)
 #endif
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
@@ -56,13 +59,15 @@ static unsigned char *compress_for_png(unsigned char *data, int size, int *out_s
 #endif
 #pragma GCC diagnostic pop
 
-/* A file in memory as stb's callbacks read it. stb takes the end of data for zeros and may then hand out half a picture or
- * (HDR) wait for ever; as it asks for bytes only when it needs them, asking beyond the end means truncation. */
+/* A file in memory as stb's callbacks read it. stb takes the end of data for zeros and may then
+ * hand out half a picture or (HDR) wait for ever; as it asks for bytes only when it needs them,
+ * asking beyond the end means truncation. */
 typedef struct reader {
     const uint8_t *data;
     size_t size, position;
     bool truncated;
-    bool pad; /* serve bytes 0xFF behind the end, which end a run of HDR; else nothing, which ends a JPEG */
+    bool pad; /* serve bytes 0xFF behind the end, which end a run of HDR; else nothing, which ends a
+                 JPEG */
 } reader;
 
 static int reader_read(void *user, char *out, int size)
@@ -113,7 +118,8 @@ static reader reader_start(const air_source *source, bool pad)
     return (reader){.data = source->data, .size = source->size, .pad = pad};
 }
 
-/* The payload of a DHT segment: tables of 16 counts, whose sum must not exceed 256, and as many symbols. */
+/* The payload of a DHT segment: tables of 16 counts, whose sum must not exceed 256, and as many
+ * symbols. */
 static bool huffman_tables_fit(const uint8_t *payload, size_t size)
 {
     while (size > 0) {
@@ -130,9 +136,10 @@ static bool huffman_tables_fit(const uint8_t *payload, size_t size)
     return true;
 }
 
-/* stb_image before 2.28 writes beyond its Huffman tables when a JPEG declares too many symbols, so these are looked at
- * first. Walks the segments as stb does, but strictly: false if one does not follow upon the other or is cut off, or if a
- * table is too large. Data that does not start like a JPEG is none of its business. */
+/* stb_image before 2.28 writes beyond its Huffman tables when a JPEG declares too many symbols, so
+ * these are looked at first. Walks the segments as stb does, but strictly: false if one does not
+ * follow upon the other or is cut off, or if a table is too large. Data that does not start like a
+ * JPEG is none of its business. */
 static bool jpeg_is_safe(const uint8_t *data, size_t size)
 {
     enum { RESTART_FIRST = 0xD0, RESTART_LAST = 0xD7, START_OF_IMAGE = 0xD8, END_OF_IMAGE = 0xD9 };
@@ -167,7 +174,8 @@ static bool jpeg_is_safe(const uint8_t *data, size_t size)
     return true;
 }
 
-/* PNG: the size in its first chunk, so that it can be told when stb refuses it without saying why. */
+/* PNG: the size in its first chunk, so that it can be told when stb refuses it without saying why.
+ */
 static air_status check_png_size(air_context *context, const air_source *source)
 {
     static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
@@ -181,16 +189,18 @@ static air_status check_png_size(air_context *context, const air_source *source)
     return air_format_check_size(context, source->path, size[0], size[1], 1);
 }
 
-/* A bound on how well a format can compress, so that a short file that claims to be large is refused before memory and time
- * are spent on it: a run of HDR packs 127 pixels of each channel into 2 bytes; JPEG spends at least one bit on a block of 8
- * x 8; deflate packs at most 1032 bytes into one, each of 8 pixels of a black and white PNG. */
+/* A bound on how well a format can compress, so that a short file that claims to be large is
+ * refused before memory and time are spent on it: a run of HDR packs 127 pixels of each channel
+ * into 2 bytes; JPEG spends at least one bit on a block of 8 x 8; deflate packs at most 1032 bytes
+ * into one, each of 8 pixels of a black and white PNG. */
 static uint64_t most_pixels_per_byte(const air_source *source, bool hdr)
 {
     const bool jpeg = source->size > 0 && source->data[0] == 0xFF;
     return hdr ? 127 / 8 + 1 : jpeg ? 8 * 64 : 8 * 1032;
 }
 
-/* Fails unless the header is of the right kind, the size within limits, and the data could hold that many pixels. */
+/* Fails unless the header is of the right kind, the size within limits, and the data could hold
+ * that many pixels. */
 static air_status check_header(air_context *context, const air_source *source, air_stb_kind kind,
                                bool *out_words)
 {
@@ -222,12 +232,12 @@ static air_status check_header(air_context *context, const air_source *source, a
                         want_hdr ? "Radiance HDR (32-bit_rle_rgbe, -Y N +X M)" : "PNG or JPEG");
     }
     r = reader_start(source, false);
-    *out_words = kind == AIR_STB_BYTES_OR_WORDS &&
-                 stbi_is_16_bit_from_callbacks(&callbacks, &r) != 0;
+    *out_words =
+        kind == AIR_STB_BYTES_OR_WORDS && stbi_is_16_bit_from_callbacks(&callbacks, &r) != 0;
     const uint64_t value_bytes = want_hdr ? sizeof(float) : *out_words ? 2 : 1;
-    status = air_format_check_size(
-        context, source->path, width > 0 ? (uint64_t)width : 0, height > 0 ? (uint64_t)height : 0,
-        value_bytes * (uint64_t)channels);
+    status =
+        air_format_check_size(context, source->path, width > 0 ? (uint64_t)width : 0,
+                              height > 0 ? (uint64_t)height : 0, value_bytes * (uint64_t)channels);
     if (status == AIR_OK &&
         (uint64_t)width * (uint64_t)height / most_pixels_per_byte(source, want_hdr) >
             source->size) {

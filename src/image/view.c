@@ -5,8 +5,9 @@
 #include "core/vec.h"
 #include "image/image.h"
 
-/* Khronos PBR Neutral [KhronosNeutral2024]: the identity (up to the offset f90) until the peak reaches `start`, then a
- * compression of the peak towards 1 with a growing desaturation. rgb >= 0. */
+/* Khronos PBR Neutral [KhronosNeutral2024]: the identity (up to the offset f90) until the peak
+ * reaches `start`, then a compression of the peak towards 1 with a growing desaturation. rgb >= 0.
+ */
 static air_vec3 neutral(air_vec3 rgb)
 {
     const float f90 = 0.04f;
@@ -44,8 +45,9 @@ void air_view_apply(air_view view, float exposure_ev, const float rgb[3], float 
     vec3_store(out_rgb, vec3(clip(v.x), clip(v.y), clip(v.z)));
 }
 
-/* Log-luminances are binned, 64 bins per stop, so that the tails can be left out without sorting; within a bin their sum is
- * kept, so that the average is exact but for the two bins the cuts go through. */
+/* Log-luminances are binned, 64 bins per stop, so that the tails can be left out without sorting;
+ * within a bin their sum is kept, so that the average is exact but for the two bins the cuts go
+ * through. */
 enum { BINS_PER_STOP = 64, STOP_RANGE = 80, BIN_COUNT = 2 * STOP_RANGE * BINS_PER_STOP };
 
 typedef struct log_histogram {

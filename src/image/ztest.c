@@ -39,8 +39,8 @@ static bool find_variance(const air_image *image, const float *out_planes[3])
     return true;
 }
 
-static air_status check_finite(air_context *context, const char *name,
-                               const float *const planes[3], size_t width, size_t count)
+static air_status check_finite(air_context *context, const char *name, const float *const planes[3],
+                               size_t width, size_t count)
 {
     size_t first = 0;
     const size_t bad = air_image_count_not_finite(planes, count, &first);
@@ -57,9 +57,8 @@ static air_status check_variance(air_context *context, const char *name,
 {
     for (size_t i = 0; i < count; i++) {
         if (planes[0][i] < 0.0f || planes[1][i] < 0.0f || planes[2][i] < 0.0f) {
-            return air_fail(context, AIR_ERROR_FORMAT,
-                            "Z-test: %s is negative at pixel (%zu,%zu)", name, i % width,
-                            i / width);
+            return air_fail(context, AIR_ERROR_FORMAT, "Z-test: %s is negative at pixel (%zu,%zu)",
+                            name, i % width, i / width);
         }
     }
     return check_finite(context, name, planes, width, count);
@@ -76,8 +75,7 @@ static air_status collect(air_context *context, const air_image *a, const air_im
                         a->width, a->height, b->width, b->height);
     }
     if (!air_image_colour(a, out->a) || !air_image_colour(b, out->b)) {
-        return air_fail(context, AIR_ERROR_ARGUMENT,
-                        "Z-test: an image has neither R,G,B nor Y");
+        return air_fail(context, AIR_ERROR_ARGUMENT, "Z-test: an image has neither R,G,B nor Y");
     }
     air_status status = check_finite(context, "image A", out->a, a->width, count);
     if (status == AIR_OK) {
@@ -120,14 +118,12 @@ static void add_sums(sums *total, const sums *s)
     total->variance_squared += s->variance_squared;
 }
 
-/* z of the difference and its two-sided p. The variance of a sum of N estimates with nu degrees of freedom each has about
- * nu (sum v)^2 / sum v^2 of them [Satterthwaite1946, Welch1947]. */
+/* z of the difference and its two-sided p. The variance of a sum of N estimates with nu degrees of
+ * freedom each has about nu (sum v)^2 / sum v^2 of them [Satterthwaite1946, Welch1947]. */
 static double score(const sums *s, double nu, double *out_p)
 {
     const double z = (s->a - s->b) / sqrt(s->variance);
-    /* Squares of variances below 1e-150 vanish; such a sum is judged with the fewest degrees of freedom. */
-    const double spread = s->variance * s->variance;
-    const double nu_sum = s->variance_squared > 0.0 ? nu * spread / s->variance_squared : nu;
+    const double nu_sum = nu * s->variance * s->variance / s->variance_squared;
     *out_p = air_student_two_sided(z, nu_sum);
     return z;
 }
@@ -218,10 +214,8 @@ air_status air_image_ztest(air_context *context, const air_image *a, const air_i
                         block, degrees_of_freedom);
     }
     const air_image *const variances[2] = {variance_a, variance_b};
-    ztest_input input = {.width = a->width,
-                         .height = a->height,
-                         .block = block,
-                         .nu = (double)degrees_of_freedom};
+    ztest_input input = {
+        .width = a->width, .height = a->height, .block = block, .nu = (double)degrees_of_freedom};
     const air_status status = collect(context, a, b, variances, &input);
     if (status != AIR_OK) {
         return status;

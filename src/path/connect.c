@@ -5,10 +5,7 @@
 /* Moves a ray's start just behind a hit; at most so many transparent surfaces are passed. */
 enum { MAX_LAYERS = 64 };
 
-static void step_behind(air_ray *ray, float t)
-{
-    ray->tmin = t + fmaxf(t * 1e-5f, 1e-6f);
-}
+static void step_behind(air_ray *ray, float t) { ray->tmin = t + fmaxf(t * 1e-5f, 1e-6f); }
 
 /* The product of 1 - alpha over the MASK and BLEND surfaces in the way. */
 static float alpha_transmittance(const air_path *path, const air_ray *shadow_ray)

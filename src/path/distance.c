@@ -11,9 +11,9 @@ static air_vec3 channel_shares(const air_ray_media *ray, air_vec3 throughput)
     if (ray->grey) {
         return vec3(1.0f, 0.0f, 0.0f);
     }
-    const air_vec3 positive = vec3(ray->depth.x > 0.0f ? throughput.x : 0.0f,
-                                   ray->depth.y > 0.0f ? throughput.y : 0.0f,
-                                   ray->depth.z > 0.0f ? throughput.z : 0.0f);
+    const air_vec3 positive =
+        vec3(ray->depth.x > 0.0f ? throughput.x : 0.0f, ray->depth.y > 0.0f ? throughput.y : 0.0f,
+             ray->depth.z > 0.0f ? throughput.z : 0.0f);
     const float sum = positive.x + positive.y + positive.z;
     if (!(sum > 0.0f)) {
         return vec3_set1(1.0f / 3.0f);
@@ -87,8 +87,8 @@ static float sample_extinction(const air_ray_media *ray, air_vec3 shares, float 
     return air_ray_media_invert(ray, channel, depth, segment);
 }
 
-bool air_distance_sample(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light, float u,
-                         air_distance *out)
+bool air_distance_sample(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light,
+                         float u, air_distance *out)
 {
     const air_vec3 shares = channel_shares(ray, throughput);
     equiangular e;

@@ -12,11 +12,11 @@ void path_mixture_make(const air_path *path, const path_vertex *vertex, path_mix
     out->total = 0.0f;
     for (uint64_t rest = vertex->at.medium.regions; rest != 0; rest &= rest - 1) {
         const air_region *region = &media->regions[__builtin_ctzll(rest)];
-        const air_vec3 sigma_s =
-            region->constant ? region->sigma_s
-                             : air_medium_coefficients(&media->media[region->medium], region,
-                                                       vertex->at.medium.position)
-                                   .sigma_s;
+        const air_vec3 sigma_s = region->constant
+                                     ? region->sigma_s
+                                     : air_medium_coefficients(&media->media[region->medium],
+                                                               region, vertex->at.medium.position)
+                                           .sigma_s;
         const float share = vec3_dot(vertex->walk.beta, sigma_s);
         if (share > 0.0f) {
             out->parts[out->count].medium = region->medium;
@@ -31,7 +31,8 @@ void path_mixture_make(const air_path *path, const path_vertex *vertex, path_mix
     }
 }
 
-/* sigma_s times phase function of those media whose light is wanted. out_pdf (may be NULL): the density of sampling wi. */
+/* sigma_s times phase function of those media whose light is wanted. out_pdf (may be NULL): the
+ * density of sampling wi. */
 static air_vec3 mixture_eval(const air_path *path, const path_vertex *vertex,
                              const path_mixture *mixture, air_vec3 wi, uint32_t light_owner,
                              float *out_pdf)
@@ -83,7 +84,8 @@ static bool hittable(const air_light_table *lights, uint32_t entry)
             (light->camera_visible || entry >= lights->explicit_count));
 }
 
-/* Multiplies value by the transmittance towards the light, in closed form if possible; says whether it was. */
+/* Multiplies value by the transmittance towards the light, in closed form if possible; says whether
+ * it was. */
 static bool attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
                       air_vec3 *value)
 {
@@ -119,7 +121,8 @@ static air_ray shadow_ray(const path_vertex *vertex, const air_connection *conne
     return ray;
 }
 
-/* Lights without extent need no numbers for a point, and the first medium event has its own for the choice. */
+/* Lights without extent need no numbers for a point, and the first medium event has its own for the
+ * choice. */
 void path_draw_light(const air_path *path, const air_path_lane *lane, const path_walk *walk,
                      air_light_point *out_point, float *out_probability)
 {
@@ -135,8 +138,8 @@ void path_draw_light(const air_path *path, const air_path_lane *lane, const path
     air_light_sample(lights, entry, u[2], u[3], out_point);
 }
 
-/* What the vertex gets through a connection if nothing is in between; combined with the chance of meeting the light by a
- * sampled direction where there is one. */
+/* What the vertex gets through a connection if nothing is in between; combined with the chance of
+ * meeting the light by a sampled direction where there is one. */
 static air_vec3 connection_value(const air_path *path, const path_vertex *vertex,
                                  const path_mixture *mixture, const air_light_point *light,
                                  const air_connection *connection, float probability)
@@ -173,9 +176,8 @@ void path_gather(const air_path *path, air_path_scratch *scratch, const air_path
     if (!air_light_connect(lights, light, position, &connection)) {
         return;
     }
-    path_shadow shadow = {
-        connection_value(path, vertex, mixture, light, &connection, probability), walk->lane,
-        (uint32_t)path_term(walk), path_direction_set(walk), false};
+    path_shadow shadow = {connection_value(path, vertex, mixture, light, &connection, probability),
+                          walk->lane, (uint32_t)path_term(walk), path_direction_set(walk), false};
     if (vec3_is_zero(shadow.value)) {
         return;
     }

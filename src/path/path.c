@@ -3,8 +3,8 @@
 
 #include <float.h>
 
-#include "path/distance.h"
 #include "core/phase.h"
+#include "path/distance.h"
 #include "path/tracking.h"
 #include "path/vertex.h"
 
@@ -39,8 +39,8 @@ void air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol
     path->extended_lights = snapshot->lights.count > snapshot->lights.explicit_count;
     for (size_t i = 0; i < snapshot->lights.explicit_count; i++) {
         const air_light_kind kind = snapshot->lights.entries[i].kind;
-        path->extended_lights = path->extended_lights || kind == AIR_LIGHT_POLYGON ||
-                                kind == AIR_LIGHT_ENVIRONMENT;
+        path->extended_lights =
+            path->extended_lights || kind == AIR_LIGHT_POLYGON || kind == AIR_LIGHT_ENVIRONMENT;
     }
     path->hittable_lights = path->emissive_media || any_emission(snapshot);
 }
@@ -48,7 +48,8 @@ void air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol
 /* ---- emitters that a ray meets ---- */
 
 /* The share of the direct hit in the combination with next-event estimation. */
-static float hit_weight(const air_path *path, const path_walk *walk, uint32_t entry, float pdf_light)
+static float hit_weight(const air_path *path, const path_walk *walk, uint32_t entry,
+                        float pdf_light)
 {
     if (walk->pdf_dir == 0.0f) {
         return 1.0f;
@@ -107,9 +108,9 @@ static void add_surface_emission(const air_path *path, const path_walk *walk, co
         return;
     }
     if (surface->emitter != UINT32_MAX) {
-        weight = hit_weight(
-            path, walk, surface->emitter,
-            air_light_hit_pdf(lights, surface->emitter, vec3_load(ray->dir), hit->t));
+        weight =
+            hit_weight(path, walk, surface->emitter,
+                       air_light_hit_pdf(lights, surface->emitter, vec3_load(ray->dir), hit->t));
     }
     const air_vec3 value = vec3_mul(vec3_mul(walk->beta, transmittance), surface->emission);
     add(lane, term, vec3_scale(value, weight));
@@ -171,8 +172,8 @@ static void call_hook(const air_path *path, const air_path_lane *lane, const pat
                       float length)
 {
     air_path_vertex out = {0};
-    const air_vec3 position = vertex->on_surface ? vertex->at.surface.position
-                                                 : vertex->at.medium.position;
+    const air_vec3 position =
+        vertex->on_surface ? vertex->at.surface.position : vertex->at.medium.position;
     vec3_store(out.position, position);
     vec3_store(out.dir_in, vec3_neg(vertex->wo));
     air_vec3 throughput = vertex->walk.beta;
@@ -192,10 +193,12 @@ static void call_hook(const air_path *path, const air_path_lane *lane, const pat
     out.segment_length = length;
     out.depth = vertex->walk.depth;
     out.on_surface = vertex->on_surface;
-    path->settings.vertex_hook(path->settings.vertex_hook_user, lane->x, lane->y, lane->sample, &out);
+    path->settings.vertex_hook(path->settings.vertex_hook_user, lane->x, lane->y, lane->sample,
+                               &out);
 }
 
-/* The vertex at which the next event will be written; the surface a ray ends on is made there at once. */
+/* The vertex at which the next event will be written; the surface a ray ends on is made there at
+ * once. */
 static path_vertex *next_vertex(air_path_scratch *scratch)
 {
     return &scratch->vertices[scratch->vertex_count];
@@ -256,7 +259,8 @@ static bool draw_light(const air_path *path, path_vertex *vertex, const air_path
     return !vertex->at.medium.light.infinite;
 }
 
-/* An event in the media of a closed ray. weight: the probability-compensated share of it that scatters. */
+/* An event in the media of a closed ray. weight: the probability-compensated share of it that
+ * scatters. */
 static void scatter_closed(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
                            float weight, float u, const air_path_lane *lane)
 {
@@ -264,8 +268,8 @@ static void scatter_closed(const air_path *path, air_path_scratch *scratch, cons
     path_vertex *vertex = push_medium(scratch, walk);
     const bool finite = draw_light(path, vertex, lane);
     air_distance distance;
-    if (!air_distance_sample(media, walk->beta, finite ? &vertex->at.medium.light.position : NULL, u,
-                             &distance)) {
+    if (!air_distance_sample(media, walk->beta, finite ? &vertex->at.medium.light.position : NULL,
+                             u, &distance)) {
         scratch->vertex_count--;
         return;
     }
@@ -282,7 +286,8 @@ static void scatter_tracked(const air_path *path, air_path_scratch *scratch, con
     place_medium(path, vertex, &scratch->media, collision->segment, collision->t, lane);
 }
 
-/* Closed rays: the camera sample goes both ways, scattered and not; a later walk chooses, unless nothing lies at the end. */
+/* Closed rays: the camera sample goes both ways, scattered and not; a later walk chooses, unless
+ * nothing lies at the end. */
 static void events_closed(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
                           const air_ray *ray, bool met, float t, air_vec3 transmittance,
                           const air_path_lane *lane)
@@ -309,8 +314,7 @@ static void events_closed(const air_path *path, air_path_scratch *scratch, const
     path_walk next = *walk;
     next.depth++;
     const float u = air_sampler_get(&lane->sampler, path_light_set(&next))[0];
-    const float p =
-        met ? air_distance_event_probability(media, walk->beta) : 1.0f;
+    const float p = met ? air_distance_event_probability(media, walk->beta) : 1.0f;
     if (u < p) {
         scatter_closed(path, scratch, walk, 1.0f / p, u / p, lane);
     } else if (met) {
@@ -362,7 +366,8 @@ static void arrive(const air_path *path, air_path_scratch *scratch, size_t i, ai
     const float t = met ? hit->t : AIR_FAR;
     air_surface *surface = &next_vertex(scratch)->at.surface;
     air_ray_media *media = &scratch->media;
-    air_ray_media_make(media, &path->snapshot->media, vec3_load(ray->origin), vec3_load(ray->dir), t);
+    air_ray_media_make(media, &path->snapshot->media, vec3_load(ray->origin), vec3_load(ray->dir),
+                       t);
     if (met) {
         air_surface_make(path->snapshot, hit, vec3_load(ray->dir), surface);
         if (walk->depth == 0 && path->settings.guides) {
@@ -443,7 +448,7 @@ static bool sample_surface(const path_vertex *vertex, air_f32x4 u, path_walk *wa
 }
 
 /* Below this throughput a walk survives with a probability in proportion to it. */
-#define ROULETTE_THRESHOLD 1.0f
+#define ROULETTE_THRESHOLD 0.25f
 
 static bool survives(path_walk *walk, float u)
 {
@@ -475,12 +480,10 @@ static void leave(const air_path *path, air_path_scratch *scratch, const path_ve
     if (walk.depth >= path->settings.max_depth && !path->hittable_lights) {
         return;
     }
-    const air_f32x4 u =
-        air_sampler_get(&lanes[walk.lane].sampler, path_direction_set(&walk));
+    const air_f32x4 u = air_sampler_get(&lanes[walk.lane].sampler, path_direction_set(&walk));
     air_vec3 dir;
-    const bool sampled = vertex->on_surface
-                             ? sample_surface(vertex, u, &walk, &dir)
-                             : sample_medium(path, vertex, &mixture, u, &walk, &dir);
+    const bool sampled = vertex->on_surface ? sample_surface(vertex, u, &walk, &dir)
+                                            : sample_medium(path, vertex, &mixture, u, &walk, &dir);
     if (!sampled || !survives(&walk, u[3])) {
         return;
     }
@@ -488,8 +491,8 @@ static void leave(const air_path *path, air_path_scratch *scratch, const path_ve
                                                : vertex->at.medium.position;
     const size_t i = scratch->walk_count++;
     scratch->walks[i] = walk;
-    scratch->rays[i] = (air_ray){{origin.x, origin.y, origin.z}, 0.0f, {dir.x, dir.y, dir.z},
-                                 FLT_MAX, AIR_MASK_SCATTER};
+    scratch->rays[i] = (air_ray){
+        {origin.x, origin.y, origin.z}, 0.0f, {dir.x, dir.y, dir.z}, FLT_MAX, AIR_MASK_SCATTER};
 }
 
 static void start(air_path_scratch *scratch, air_path_lane *lanes, size_t count)
@@ -502,8 +505,10 @@ static void start(air_path_scratch *scratch, air_path_lane *lanes, size_t count)
         lane->albedo = lane->normal = vec3_set1(0.0f);
         lane->depth = 0.0f;
         scratch->walks[i] = (path_walk){(uint32_t)i, 0, AIR_NO_MEDIUM, 0, vec3_set1(1.0f), 0.0f};
-        scratch->rays[i] = (air_ray){{lane->origin.x, lane->origin.y, lane->origin.z}, 0.0f,
-                                     {lane->dir.x, lane->dir.y, lane->dir.z}, FLT_MAX,
+        scratch->rays[i] = (air_ray){{lane->origin.x, lane->origin.y, lane->origin.z},
+                                     0.0f,
+                                     {lane->dir.x, lane->dir.y, lane->dir.z},
+                                     FLT_MAX,
                                      AIR_MASK_CAMERA};
     }
     scratch->walk_count = count;

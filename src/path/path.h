@@ -1,7 +1,8 @@
 /* path.h: the reference: unbiased volumetric path tracing of a block of samples at once.
  *
- * Sixteen camera samples of one pixel go together through the stages trace, scatter, connect, so that rays meet the scene in
- * packets. What one sample gives does not depend on the fifteen others. */
+ * Sixteen camera samples of one pixel go together through the stages trace, scatter, connect, so
+ * that rays meet the scene in packets. What one sample gives does not depend on the fifteen others.
+ */
 #ifndef AIR_PATH_PATH_H
 #define AIR_PATH_PATH_H
 
@@ -14,12 +15,13 @@ enum { AIR_PATH_LANES = 16 };
 
 typedef struct air_path_settings {
     uint32_t max_depth;
-    /* wanted[(light_owner * (medium_count + 1) + medium) * AIR_TERM_COUNT + term]: what path is to compute; medium_count
-     * stands for no medium. Borrowed. NULL: all of it. */
+    /* wanted[(light_owner * (medium_count + 1) + medium) * AIR_TERM_COUNT + term]: what path is to
+     * compute; medium_count stands for no medium. Borrowed. NULL: all of it. */
     const uint8_t *wanted;
     uint32_t terms; /* mask over everything, emission and background too */
     bool guides;
-    void (*vertex_hook)(void *user, size_t x, size_t y, uint32_t sample, const air_path_vertex *vertex);
+    void (*vertex_hook)(void *user, size_t x, size_t y, uint32_t sample,
+                        const air_path_vertex *vertex);
     void *vertex_hook_user;
 } air_path_settings;
 
@@ -41,7 +43,8 @@ void air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol
 typedef struct air_path_lane {
     air_vec3 origin, dir;
     air_sampler sampler;
-    float u_distance, u_pick; /* the last two numbers of the sampler's set 0; the first two chose the ray */
+    float u_distance,
+        u_pick; /* the last two numbers of the sampler's set 0; the first two chose the ray */
     uint32_t x, y, sample;
     air_vec3 terms[AIR_TERM_COUNT];
     air_vec3 albedo, normal;

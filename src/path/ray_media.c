@@ -44,27 +44,15 @@ static void gather(air_ray_media *ray, air_ray_segment *segment)
     }
 }
 
-/* Both at once: where one of them is small, it is the one computed. */
-static void transmittance_and_loss(float depth, float *transmittance, float *loss)
-{
-    if (depth < 0.5f) {
-        *loss = air_loss(depth);
-        *transmittance = 1.0f - *loss;
-    } else {
-        *transmittance = air_exp(-depth);
-        *loss = 1.0f - *transmittance;
-    }
-}
-
 static void finish_depth(air_ray_media *ray)
 {
-    transmittance_and_loss(ray->depth.x, &ray->transmittance.x, &ray->loss.x);
+    air_transmittance_and_loss(ray->depth.x, &ray->transmittance.x, &ray->loss.x);
     if (ray->grey) {
         ray->transmittance = vec3_set1(ray->transmittance.x);
         ray->loss = vec3_set1(ray->loss.x);
     } else {
-        transmittance_and_loss(ray->depth.y, &ray->transmittance.y, &ray->loss.y);
-        transmittance_and_loss(ray->depth.z, &ray->transmittance.z, &ray->loss.z);
+        air_transmittance_and_loss(ray->depth.y, &ray->transmittance.y, &ray->loss.y);
+        air_transmittance_and_loss(ray->depth.z, &ray->transmittance.z, &ray->loss.z);
     }
 }
 
@@ -120,15 +108,16 @@ air_vec3 air_ray_media_depth(const air_ray_media *ray, float t)
     return vec3_set1(0.0f);
 }
 
-/* Bisection kept inside its bracket by Newton steps where they stay in it: the depth is increasing, its derivative is
- * sigma_t. */
-static float invert_exponential(const air_ray_media *ray, const air_ray_segment *segment, int channel,
-                                float depth)
+/* Bisection kept inside its bracket by Newton steps where they stay in it: the depth is increasing,
+ * its derivative is sigma_t. */
+static float invert_exponential(const air_ray_media *ray, const air_ray_segment *segment,
+                                int channel, float depth)
 {
     float low = segment->t0, high = segment->t1;
     float t = 0.5f * (low + float_min(high, low + 1e6f));
     for (int step = 0; step < 64 && high - low > 1e-6f * high; step++) {
-        const float error = air_channel(air_ray_media_segment_depth(ray, segment, t), channel) - depth;
+        const float error =
+            air_channel(air_ray_media_segment_depth(ray, segment, t), channel) - depth;
         if (error > 0.0f) {
             high = t;
         } else {
@@ -162,8 +151,8 @@ float air_ray_media_invert(const air_ray_media *ray, int channel, float depth, s
     return float_min(t, segment->t1);
 }
 
-air_coefficients air_ray_media_coefficients(const air_ray_media *ray, const air_ray_segment *segment,
-                                            float t)
+air_coefficients air_ray_media_coefficients(const air_ray_media *ray,
+                                            const air_ray_segment *segment, float t)
 {
     air_coefficients sum = {segment->sigma_s, segment->sigma_t, segment->emission};
     if (!segment->exponential && !segment->tracked) {

@@ -1,7 +1,7 @@
 /* ray_media.h: the media along one ray, and their optical depth in closed form where there is one.
  *
- * "Closed" segments hold constant and exponential media only: their optical depth is known exactly. Segments with grids are
- * "tracked": see tracking.h. */
+ * "Closed" segments hold constant and exponential media only: their optical depth is known exactly.
+ * Segments with grids are "tracked": see tracking.h. */
 #ifndef AIR_PATH_RAY_MEDIA_H
 #define AIR_PATH_RAY_MEDIA_H
 
@@ -15,7 +15,7 @@ typedef struct air_ray_segment {
     float t0, t1;
     uint64_t regions;
     air_vec3 sigma_s, sigma_t, emission; /* of the constant media together */
-    air_vec3 depth; /* optical depth from the ray's origin to t0; closed rays only */
+    air_vec3 depth;   /* optical depth from the ray's origin to t0; closed rays only */
     bool exponential; /* some exponential medium is present */
     bool tracked;     /* some grid is present */
 } air_ray_segment;
@@ -28,7 +28,7 @@ typedef struct air_ray_media {
     bool grey;     /* one optical depth serves all three channels (closed rays) */
     bool scatters; /* some coefficient sigma_s is positive */
     bool emits;
-    air_vec3 depth; /* total; closed rays only, as are the next two */
+    air_vec3 depth;               /* total; closed rays only, as are the next two */
     air_vec3 transmittance, loss; /* exp(-depth) and 1 - exp(-depth) */
     air_ray_segment segments[AIR_MAX_SEGMENTS];
 } air_ray_media;
@@ -49,23 +49,23 @@ static inline air_vec3 air_ray_media_segment_depth(const air_ray_media *ray,
                                                    const air_ray_segment *segment, float t)
 {
     const air_vec3 depth = vec3_madd(segment->depth, t - segment->t0, segment->sigma_t);
-    return segment->exponential
-               ? vec3_add(depth, air_ray_media_exponential_depth(ray, segment, t))
-               : depth;
+    return segment->exponential ? vec3_add(depth, air_ray_media_exponential_depth(ray, segment, t))
+                                : depth;
 }
 
-/* The distance at which the optical depth of a channel reaches `depth`, and the segment it lies in; depth must be below the
- * total. The ray must be closed. */
+/* The distance at which the optical depth of a channel reaches `depth`, and the segment it lies in;
+ * depth must be below the total. The ray must be closed. */
 float air_ray_media_invert(const air_ray_media *ray, int channel, float depth, size_t *out_segment);
 
 /* The segment that holds t; count if none does. */
 size_t air_ray_media_find(const air_ray_media *ray, float t);
 
 /* Coefficients at distance t in a segment, all media together. */
-air_coefficients air_ray_media_coefficients(const air_ray_media *ray, const air_ray_segment *segment,
-                                            float t);
+air_coefficients air_ray_media_coefficients(const air_ray_media *ray,
+                                            const air_ray_segment *segment, float t);
 
-/* Radiance that constant emissive media of a closed ray without exponential media send to its origin. */
+/* Radiance that constant emissive media of a closed ray without exponential media send to its
+ * origin. */
 air_vec3 air_ray_media_emission(const air_ray_media *ray);
 
 static inline float air_channel(air_vec3 v, int channel)

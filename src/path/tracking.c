@@ -101,7 +101,8 @@ static bool walk_next(majorant_walk *walk, float *t0, float *t1, float *majorant
     return true;
 }
 
-/* The next tentative collision after *t within the piece that ends at t1; false if there is none. */
+/* The next tentative collision after *t within the piece that ends at t1; false if there is none.
+ */
 static bool fly(float *t, float t1, float majorant, air_rng *rng)
 {
     if (majorant <= 0.0f) {
@@ -144,8 +145,8 @@ static bool ratio_segment(const air_ray_media *ray, size_t index, float t_end, a
         while (fly(&t, t1, majorant, rng)) {
             const air_vec3 sigma_t =
                 air_ray_media_coefficients(ray, &ray->segments[index], t).sigma_t;
-            *product = vec3_mul(*product, vec3_sub(vec3_set1(1.0f),
-                                                   vec3_scale(sigma_t, 1.0f / majorant)));
+            *product =
+                vec3_mul(*product, vec3_sub(vec3_set1(1.0f), vec3_scale(sigma_t, 1.0f / majorant)));
             if (vec3_is_zero(*product) || !roulette(product, rng)) {
                 return false;
             }
@@ -172,8 +173,8 @@ air_vec3 air_track_transmittance(const air_ray_media *ray, float t, air_rng *rng
     return product;
 }
 
-/* Collisions are forced at least this often per metre of an emissive segment, so that emission without extinction is found
- * too. */
+/* Collisions are forced at least this often per metre of an emissive segment, so that emission
+ * without extinction is found too. */
 static float emission_rate(const air_ray_segment *segment)
 {
     return 2.0f / fmaxf(segment->t1 - segment->t0, 1e-6f);
@@ -192,8 +193,8 @@ air_vec3 air_track_emission(const air_ray_media *ray, air_rng *rng)
             while (fly(&t, t1, majorant, rng)) {
                 const air_coefficients c = air_ray_media_coefficients(ray, &ray->segments[i], t);
                 sum = vec3_add(sum, vec3_scale(vec3_mul(product, c.emission), 1.0f / majorant));
-                product = vec3_mul(product, vec3_sub(vec3_set1(1.0f),
-                                                     vec3_scale(c.sigma_t, 1.0f / majorant)));
+                product = vec3_mul(
+                    product, vec3_sub(vec3_set1(1.0f), vec3_scale(c.sigma_t, 1.0f / majorant)));
                 if (vec3_is_zero(product) || !roulette(&product, rng)) {
                     return sum;
                 }
@@ -203,8 +204,8 @@ air_vec3 air_track_emission(const air_ray_media *ray, air_rng *rng)
     return sum;
 }
 
-/* Real with a probability that follows the throughput-weighted mean of sigma_t / majorant; returns whether it was real and
- * updates the weight. */
+/* Real with a probability that follows the throughput-weighted mean of sigma_t / majorant; returns
+ * whether it was real and updates the weight. */
 static bool collide(air_vec3 sigma_t, float majorant, air_vec3 throughput, air_vec3 *weight,
                     air_rng *rng)
 {

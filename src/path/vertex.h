@@ -1,10 +1,12 @@
-/* vertex.h: the state of a walk: the ray under way, the vertex it arrived at, the light asked for there. */
+/* vertex.h: the state of a walk: the ray under way, the vertex it arrived at, the light asked for
+ * there. */
 #ifndef AIR_PATH_VERTEX_H
 #define AIR_PATH_VERTEX_H
 
 #include "path/path.h"
 
-/* Two walks can start from one camera sample: from the surface it sees, and from the medium before it. */
+/* Two walks can start from one camera sample: from the surface it sees, and from the medium before
+ * it. */
 enum { AIR_PATH_WALKS = 2 * AIR_PATH_LANES, AIR_NO_MEDIUM = 0xffff };
 
 /* What stays the same along a walk, and what changes with each event. */
@@ -13,8 +15,8 @@ typedef struct path_walk {
     uint32_t depth;        /* events so far */
     uint32_t first_medium; /* of the first event; AIR_NO_MEDIUM if it was on a surface */
     uint32_t branch;       /* 0: started on a surface, 1: in a medium */
-    air_vec3 beta;         /* throughput, for a medium vertex still without sigma_s and phase function */
-    float pdf_dir;         /* density of the direction under way, per solid angle; 0 from the camera */
+    air_vec3 beta; /* throughput, for a medium vertex still without sigma_s and phase function */
+    float pdf_dir; /* density of the direction under way, per solid angle; 0 from the camera */
 } path_walk;
 
 typedef struct path_vertex {
@@ -27,7 +29,8 @@ typedef struct path_vertex {
             air_vec3 position;
             uint64_t regions;
             float light_probability;
-            air_light_point light; /* drawn before the distance was; unless the scene has no lights */
+            air_light_point
+                light; /* drawn before the distance was; unless the scene has no lights */
         } medium;
     } at;
 } path_vertex;
@@ -53,8 +56,9 @@ struct air_path_scratch {
     air_ray_media media; /* along the ray that is looked at */
 };
 
-/* The sets of random numbers. Set 0 belongs to the camera sample: x, y, distance, light of the first medium event. An event
- * has two: one for the distance that led to it, the light and the point on it; one for the direction that leaves it. */
+/* The sets of random numbers. Set 0 belongs to the camera sample: x, y, distance, light of the
+ * first medium event. An event has two: one for the distance that led to it, the light and the
+ * point on it; one for the direction that leaves it. */
 static inline uint32_t path_light_set(const path_walk *walk)
 {
     return walk->depth <= 1 ? 1 + walk->branch : 5 + ((walk->depth - 2) * 2 + walk->branch) * 2;
@@ -112,7 +116,8 @@ void path_gather(const air_path *path, air_path_scratch *scratch, const air_path
 /* Sends the queued shadow rays and adds what arrives. */
 void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes);
 
-/* Nearest hits of scratch->rays[0..count), past surfaces that are transparent where they are met. */
+/* Nearest hits of scratch->rays[0..count), past surfaces that are transparent where they are met.
+ */
 void path_intersect(const air_path *path, air_path_scratch *scratch, const air_path_lane *lanes,
                     size_t count);
 

@@ -6,7 +6,8 @@
 
 const char *air_term_name(air_term term)
 {
-    static const char *const names[AIR_TERM_COUNT] = {"S0", "S+", "M1", "M2", "emission", "background"};
+    static const char *const names[AIR_TERM_COUNT] = {"S0", "S+",       "M1",
+                                                      "M2", "emission", "background"};
     return (unsigned)term < AIR_TERM_COUNT ? names[term] : "unknown";
 }
 

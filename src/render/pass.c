@@ -1,4 +1,5 @@
-/* pass.c: one run of samples for every pixel: tiles in parallel, within a pixel blocks of 16 samples in index order. */
+/* pass.c: one run of samples for every pixel: tiles in parallel, within a pixel blocks of 16
+ * samples in index order. */
 #include <stdatomic.h>
 #include <string.h>
 
@@ -7,7 +8,7 @@
 /* What one worker writes to. */
 typedef struct pass_worker {
     air_path_scratch *scratch;
-    double *block;     /* sums of the block under way */
+    double *block; /* sums of the block under way */
     air_block_stack stack;
     double replicate[3]; /* beauty of the replicate under way */
 } pass_worker;
@@ -35,7 +36,8 @@ static uint32_t pixel_seed(const air_picture *picture, uint32_t x, uint32_t y, u
     return air_hash_combine(hash, replicate);
 }
 
-static void make_lane(const render_pass *pass, uint32_t x, uint32_t y, uint32_t sample, air_path_lane *lane)
+static void make_lane(const render_pass *pass, uint32_t x, uint32_t y, uint32_t sample,
+                      air_path_lane *lane)
 {
     const air_picture *picture = pass->picture;
     const uint32_t size = pass->film->replicate_size;
@@ -132,6 +134,17 @@ static void render_pixel(const render_pass *pass, pass_worker *worker, uint32_t 
 
 /* ---- tiles ---- */
 
+/* Of the samples, or of the time where that is limited, whichever is nearer to its end. */
+static double fraction_done(const render_pass *pass, double share)
+{
+    const air_picture *picture = pass->picture;
+    const air_render_params *p = picture->params;
+    const double before = pass->begin - p->sample_begin, now = pass->end - pass->begin;
+    const double samples = (before + now * share) / (p->sample_end - p->sample_begin);
+    const double time = (air_clock(picture->context) - picture->start_s) / p->time_limit_s;
+    return fmin(fmax(samples, time), 1.0);
+}
+
 static void render_tile(void *user, size_t index, size_t worker_index)
 {
     render_pass *pass = user;
@@ -149,11 +162,8 @@ static void render_tile(void *user, size_t index, size_t worker_index)
         }
     }
     const size_t done = atomic_fetch_add(&pass->tiles_done, 1) + 1;
-    const air_render_params *p = pass->picture->params;
-    const double before = pass->begin - p->sample_begin, now = pass->end - pass->begin;
     const double share = (double)done / (double)(pass->tiles_x * pass->tiles_y);
-    if (!air_progress(pass->picture->context,
-                      (before + now * share) / (p->sample_end - p->sample_begin), "render")) {
+    if (!air_progress(pass->picture->context, fraction_done(pass, share), "render")) {
         atomic_store(&pass->stop, true);
     }
 }

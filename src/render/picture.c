@@ -2,8 +2,8 @@
 
 #include <string.h>
 
-/* The part of a picture's name that must agree before its samples may be added to another's: FNV-1a over what was asked
- * for and what the scene is made of. */
+/* The part of a picture's name that must agree before its samples may be added to another's: FNV-1a
+ * over what was asked for and what the scene is made of. */
 static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
 {
     const uint8_t *bytes = data;
@@ -60,7 +60,8 @@ static void make_layout(air_picture *picture)
     }
 }
 
-/* A gaussian of standard deviation radius/3, cut at the radius: its distribution function by the trapezoid rule, inverted. */
+/* A gaussian of standard deviation radius/3, cut at the radius: its distribution function by the
+ * trapezoid rule, inverted. */
 static air_status make_gaussian(air_picture *picture)
 {
     enum { STEPS = 4 * AIR_GAUSSIAN_TABLE };
@@ -99,7 +100,8 @@ static float filter_offset(const air_picture *picture, float u)
     case AIR_FILTER_BOX:
         return (2.0f * u - 1.0f) * radius;
     case AIR_FILTER_TENT:
-        return u < 0.5f ? radius * (sqrtf(2.0f * u) - 1.0f) : radius * (1.0f - sqrtf(2.0f - 2.0f * u));
+        return u < 0.5f ? radius * (sqrtf(2.0f * u) - 1.0f)
+                        : radius * (1.0f - sqrtf(2.0f - 2.0f * u));
     case AIR_FILTER_GAUSSIAN: {
         const float position = u * AIR_GAUSSIAN_TABLE;
         const int i = (int)position;
@@ -110,8 +112,8 @@ static float filter_offset(const air_picture *picture, float u)
     return 0.0f;
 }
 
-void air_picture_sample_position(const air_picture *picture, uint32_t x, uint32_t y, float u, float v,
-                                 float *out_x, float *out_y)
+void air_picture_sample_position(const air_picture *picture, uint32_t x, uint32_t y, float u,
+                                 float v, float *out_x, float *out_y)
 {
     *out_x = (float)x + 0.5f + filter_offset(picture, u);
     *out_y = (float)y + 0.5f + filter_offset(picture, v);
@@ -151,6 +153,7 @@ air_status air_picture_init(air_picture *picture, air_context *context,
     picture->context = context;
     picture->snapshot = snapshot;
     picture->params = params;
+    picture->start_s = air_clock(context);
     set_crop(picture);
     make_layout(picture);
     air_sobol_init(&picture->sobol);

@@ -19,8 +19,10 @@ typedef struct air_picture {
     air_path path;
     air_owner_table *owners;
     uint8_t *wanted;
-    float *gaussian; /* inverse distribution function, AIR_GAUSSIAN_TABLE + 1 values in pixels; NULL for other filters */
+    float *gaussian; /* inverse distribution function, AIR_GAUSSIAN_TABLE + 1 values in pixels; NULL
+                        for other filters */
     air_film_layout layout;
+    double start_s; /* of the render, by the context's clock */
 } air_picture;
 
 air_status air_picture_init(air_picture *picture, air_context *context,
@@ -30,11 +32,12 @@ void air_picture_finish(air_picture *picture);
 /* An empty film for the picture. */
 air_status air_picture_film(const air_picture *picture, air_film **out_film);
 
-/* Renders samples [begin, end) of every pixel and adds them to the film; on failure or interruption the film stays as it was. */
+/* Renders samples [begin, end) of every pixel and adds them to the film; on failure or interruption
+ * the film stays as it was. */
 air_status air_picture_pass(air_picture *picture, air_film *film, uint32_t begin, uint32_t end);
 
 /* Where within the picture a sample of pixel (x, y) with filter numbers u, v lies. */
-void air_picture_sample_position(const air_picture *picture, uint32_t x, uint32_t y, float u, float v,
-                                 float *out_x, float *out_y);
+void air_picture_sample_position(const air_picture *picture, uint32_t x, uint32_t y, float u,
+                                 float v, float *out_x, float *out_y);
 
 #endif

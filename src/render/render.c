@@ -1,4 +1,5 @@
-/* render.c: a snapshot into a film: passes over the samples, tiles in parallel, blocks of samples in order. */
+/* render.c: a snapshot into a film: passes over the samples, tiles in parallel, blocks of samples
+ * in order. */
 #include "airlight/render.h"
 
 #include <math.h>
@@ -57,11 +58,12 @@ static air_status check_samples(air_context *context, const air_render_params *p
     }
     if (p->variance_replicates < 2 || count % p->variance_replicates != 0 ||
         p->sample_begin % (count / p->variance_replicates) != 0) {
-        return air_fail(context, AIR_ERROR_ARGUMENT,
-                        "variance from %u replicates: expected at least 2, a number of samples that "
-                        "is a multiple of it (not %u), and a begin that is a multiple of the samples "
-                        "of one replicate",
-                        p->variance_replicates, count);
+        return air_fail(
+            context, AIR_ERROR_ARGUMENT,
+            "variance from %u replicates: expected at least 2, a number of samples that "
+            "is a multiple of it (not %u), and a begin that is a multiple of the samples "
+            "of one replicate",
+            p->variance_replicates, count);
     }
     if (isfinite(p->time_limit_s)) {
         return air_fail(context, AIR_ERROR_ARGUMENT,
@@ -79,16 +81,18 @@ static air_status check(air_context *context, const air_snapshot *snapshot,
         return status;
     }
     if (p->max_depth < 1 || (p->terms & ~(uint32_t)AIR_TERMS_ALL) != 0 || p->terms == 0) {
-        return air_fail(context, AIR_ERROR_ARGUMENT,
-                        "max depth %u, terms %u: expected a depth of at least 1 and at least one of "
-                        "the six terms",
-                        p->max_depth, p->terms);
+        return air_fail(
+            context, AIR_ERROR_ARGUMENT,
+            "max depth %u, terms %u: expected a depth of at least 1 and at least one of "
+            "the six terms",
+            p->max_depth, p->terms);
     }
     if (!(p->filter_radius > 0.0f) || !(p->filter_radius <= 16.0f) || !(p->time_limit_s > 0.0) ||
         p->tile_size < 1) {
-        return air_fail(context, AIR_ERROR_ARGUMENT,
-                        "expected a filter radius in (0, 16], a positive time limit and a tile size "
-                        "of at least 1");
+        return air_fail(
+            context, AIR_ERROR_ARGUMENT,
+            "expected a filter radius in (0, 16], a positive time limit and a tile size "
+            "of at least 1");
     }
     if (air_snapshot_camera(snapshot, p->camera) == SIZE_MAX) {
         return air_fail(context, AIR_ERROR_ARGUMENT, "camera handle %u names no camera", p->camera);
@@ -98,8 +102,8 @@ static air_status check(air_context *context, const air_snapshot *snapshot,
 
 /* ---- passes ---- */
 
-/* The next pass: the largest run that doubles at most what is there, so that an interruption loses little, and that the time
- * left allows. Replicates go in one pass. */
+/* The next pass: the largest run that doubles at most what is there, so that an interruption loses
+ * little, and that the time left allows. Replicates go in one pass. */
 static uint32_t pass_end(const air_render_params *p, uint32_t begin, double spent_s, double left_s)
 {
     const uint32_t done = begin - p->sample_begin;
@@ -121,10 +125,9 @@ static uint32_t pass_end(const air_render_params *p, uint32_t begin, double spen
 static air_status run_passes(air_picture *picture, air_film *film)
 {
     const air_render_params *p = picture->params;
-    const double start = air_clock(picture->context);
     uint32_t begin = p->sample_begin;
     while (begin < p->sample_end) {
-        const double spent = air_clock(picture->context) - start;
+        const double spent = air_clock(picture->context) - picture->start_s;
         if (spent >= p->time_limit_s) {
             break;
         }

@@ -1,4 +1,5 @@
-/* fuzz_image.c: any bytes as an EXR, HDR, PNG or JPEG, and PFM: no crash, no leak, an image or an error. */
+/* fuzz_image.c: any bytes as an EXR, HDR, PNG or JPEG, and PFM: no crash, no leak, an image or an
+ * error. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,7 +8,8 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* One allocation may have this much: enough for the files of a corpus, and no reason to run out of memory. */
+/* One allocation may have this much: enough for the files of a corpus, and no reason to run out of
+ * memory. */
 enum { MAX_ALLOCATION = 1 << 28 };
 
 typedef struct input {

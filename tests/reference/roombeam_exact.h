@@ -3,10 +3,10 @@
  * axes, z up.
  *
  * Visibility is not sampled: along a camera ray the exact sphere shadows one interval, because the
- * shadowed set (the ball and the half cylinder behind it) is convex [Velinov2021, and spec
- * collimated 6a]. Between the ends of that interval and the kinks of the distance to the box
- * boundary the integrand is the exponential of a linear function, which Gauss-Legendre quadrature
- * with 8 nodes integrates to rounding. */
+ * shadowed set (the ball and the half cylinder behind it) is convex. Between the ends of that
+ * interval and the kinks of the distance to the box's boundary the integrand is the exponential of
+ * a linear function, which Gauss-Legendre quadrature with 8 nodes integrates to rounding.
+ */
 #ifndef ROOMBEAM_EXACT_H
 #define ROOMBEAM_EXACT_H
 

@@ -16,6 +16,17 @@ static uint32_t read_u32(const uint8_t *bytes)
            (uint32_t)bytes[3] << 24;
 }
 
+/* Does a text begin as a JSON object or array does? */
+static bool looks_like_json(const uint8_t *bytes, size_t size)
+{
+    size_t i = 0;
+    if (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0) /* a byte order mark */
+        i = 3;
+    while (i < size && strchr(" \t\r\n", bytes[i]) != NULL && bytes[i] != '\0')
+        ++i;
+    return i < size && (bytes[i] == '{' || bytes[i] == '[');
+}
+
 /* [glTF2, section 4.4] */
 air_status air_gltf_split(air_context *context, const char *path, const void *data, size_t size,
                           const char **out_text, size_t *out_text_size, const uint8_t **out_chunk,
@@ -23,6 +34,11 @@ air_status air_gltf_split(air_context *context, const char *path, const void *da
 {
     const uint8_t *bytes = data;
     if (size < 4 || read_u32(bytes) != AIR_GLB_MAGIC) {
+        if (!looks_like_json(bytes, size))
+            return air_fail(
+                context, AIR_ERROR_FORMAT,
+                "%s: byte 0: expected a glTF file, which is JSON text or begins with \"glTF\"",
+                path);
         *out_text = data;
         *out_text_size = size;
         *out_chunk = NULL;
@@ -61,6 +77,9 @@ air_status air_gltf_split(air_context *context, const char *path, const void *da
     if (text == NULL)
         return air_fail(context, AIR_ERROR_FORMAT,
                         "%s: byte 12: expected a JSON chunk in the GLB file", path);
+    while (text_size > 0 &&
+           text[text_size - 1] == '\0') /* some writers pad with these, not blanks */
+        --text_size;
     *out_text = (const char *)text;
     *out_text_size = text_size;
     *out_chunk = chunk;

@@ -163,7 +163,7 @@ static air_status check_reach(const air_json *at, const air_primitive *primitive
     return AIR_OK;
 }
 
-/* Twice the area squared, of the vertices as they are rounded in world space. */
+/* The square of twice the area, of the vertices as they are rounded in world space. */
 static double area_measure(air_vec3 a, air_vec3 b, air_vec3 c)
 {
     const double u[3] = {(double)b.x - (double)a.x, (double)b.y - (double)a.y,
@@ -288,8 +288,7 @@ air_status air_gltf_add_mesh(air_gltf *gltf, const air_import_object *object)
     return status;
 }
 
-/* Adds a primitive's triangles in world space; mirrored ones are turned, so that they keep facing
- * outwards. */
+/* Adds a primitive's triangles in world space. */
 static air_status append_primitive(air_context *context, const air_primitive *primitive,
                                    const float to_world[12], air_import_geometry *geometry)
 {

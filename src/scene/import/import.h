@@ -15,7 +15,6 @@ typedef struct air_import_object {
     const char *name;      /* of the node, "" if it has none; borrowed from the scene file */
     const char *data_name; /* of its mesh, or else light, or else camera */
     float to_world[12];
-    size_t node;
     size_t mesh, light, camera; /* indices in the scene file, SIZE_MAX: none */
     bool camera_visible, casts_shadow;
     bool bounds_medium; /* bounds a medium and is not itself rendered */

@@ -10,7 +10,12 @@ enum { AIR_PLACE_SIZE = 256, AIR_FOUND_SIZE = 64 };
 air_status air_json_parse(const air_json_document *document, const char *text, size_t size,
                           json_t **out_json)
 {
+    static const char byte_order_mark[] = "\xef\xbb\xbf"; /* some editors begin UTF-8 with it */
     json_error_t error;
+    if (size >= 3 && memcmp(text, byte_order_mark, 3) == 0) {
+        text += 3;
+        size -= 3;
+    }
     json_t *json = json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &error);
     if (json == NULL && json_error_code(&error) == json_error_out_of_memory)
         return air_fail_memory(document->context, document->file);

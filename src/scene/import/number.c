@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { AIR_NUMBER_SIZE = 64 };
+/* A point becomes at most three characters. */
+enum { AIR_NUMBER_LENGTH = 40, AIR_NUMBER_SIZE = 3 * AIR_NUMBER_LENGTH };
 
 static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -13,7 +14,7 @@ static bool is_digit(char c) { return c >= '0' && c <= '9'; }
 static size_t as_json(const char *text, size_t length, char out[AIR_NUMBER_SIZE])
 {
     size_t end = 0;
-    if (length > AIR_NUMBER_SIZE / 2)
+    if (length > AIR_NUMBER_LENGTH)
         return 0;
     for (size_t i = text[0] == '+' ? 1 : 0; i < length; ++i) {
         const bool point = text[i] == '.';

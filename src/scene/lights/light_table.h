@@ -1,8 +1,9 @@
-/* light_table.h: all lights of a snapshot as one table of entries: explicit lights in the order they were added, then one
- * entry per emissive triangle.
+/* light_table.h: all lights of a snapshot as one table of entries: explicit lights in the order
+ * they were added, then one entry per emissive triangle.
  *
- * Sampling has two steps, so that distances can be sampled knowing the light: air_light_sample draws a point (or, at
- * infinity, a direction) without knowing what it lights; air_light_connect then evaluates it at a shaded point. */
+ * Sampling has two steps, so that distances can be sampled knowing the light: air_light_sample
+ * draws a point (or, at infinity, a direction) without knowing what it lights; air_light_connect
+ * then evaluates it at a shaded point. */
 #ifndef AIR_SCENE_LIGHTS_LIGHT_TABLE_H
 #define AIR_SCENE_LIGHTS_LIGHT_TABLE_H
 
@@ -11,17 +12,17 @@
 #include "core/vec.h"
 
 typedef struct air_light {
-    char *name; /* of explicit lights, "" if none was given; NULL for emissive triangles */
+    char *name;          /* of explicit lights, "" if none was given; NULL for emissive triangles */
     air_light_kind kind; /* emissive triangles: AIR_LIGHT_POLYGON with vertex_count 3 */
     air_vec3 color;
-    air_vec3 position;        /* point, spot */
-    air_vec3 dir;             /* unit, direction of travel: spot, collimated */
-    air_frame frame;          /* collimated: of dir, in which windows are 2-D */
+    air_vec3 position;             /* point, spot */
+    air_vec3 dir;                  /* unit, direction of travel: spot, collimated */
+    air_frame frame;               /* collimated: of dir, in which windows are 2-D */
     float spot_scale, spot_offset; /* KHR_lights_punctual: clamp(cos*scale + offset, 0, 1)^2 */
-    float *windows;           /* collimated: concatenated 2-D vertices in (frame.s, frame.t) */
-    size_t *window_ends;      /* one past the last vertex of each window */
+    float *windows;                /* collimated: concatenated 2-D vertices in (frame.s, frame.t) */
+    size_t *window_ends;           /* one past the last vertex of each window */
     size_t window_count;
-    air_vec3 *vertices;       /* polygon: its vertices; normal is their front side */
+    air_vec3 *vertices; /* polygon: its vertices; normal is their front side */
     size_t vertex_count;
     air_vec3 (*triangles)[3]; /* polygon: its triangulation (concave polygons too) */
     float *triangle_cdf;      /* cumulative area share; last is 1 */
@@ -30,9 +31,10 @@ typedef struct air_light {
     float area;
     bool one_sided, camera_visible, casts_shadow;
     struct air_environment *environment; /* environment with an image */
-    const struct air_texture *emission_texture; /* emissive triangles: radiance = color * texture(uv) */
-    float uv[3][2];           /* already transformed */
-    uint32_t owner;           /* index among the snapshot's lights as callers count them */
+    const struct air_texture
+        *emission_texture; /* emissive triangles: radiance = color * texture(uv) */
+    float uv[3][2];        /* already transformed */
+    uint32_t owner;        /* index among the snapshot's lights as callers count them */
 } air_light;
 
 typedef struct air_light_table {
@@ -44,9 +46,9 @@ typedef struct air_light_table {
     uint32_t environment_count;
     uint32_t *environments; /* entries of kind environment */
     air_vec3 scene_center;
-    float scene_radius; /* for the power of lights at infinity */
-    void *visible_accelerator; /* camera-visible polygon lights, so that rays meet them; NULL if none. Hit mesh k is
-                                  visible_entries[k] */
+    float scene_radius;        /* for the power of lights at infinity */
+    void *visible_accelerator; /* camera-visible polygon lights, so that rays meet them; NULL if
+                                  none. Hit mesh k is visible_entries[k] */
     uint32_t *visible_entries;
     float *visible_positions;
     uint32_t *visible_indices;
@@ -60,33 +62,41 @@ typedef struct air_light_point {
     air_vec3 normal;   /* area lights: front side */
     air_vec3 dir;      /* infinite lights: unit, towards the light */
     air_vec3 value;    /* radiance, intensity or E_perp */
-    float pdf;         /* per area, per solid angle (environment), or 1 (delta); without the selection probability */
+    float pdf; /* per area, per solid angle (environment), or 1 (delta); without the selection
+                  probability */
 } air_light_point;
 
 typedef struct air_connection {
     air_vec3 dir;      /* unit, towards the light */
     float distance;    /* INFINITY for lights at infinity */
     air_vec3 incident; /* delta: irradiance on a plane perpendicular to dir; else radiance */
-    float pdf;         /* delta: 1; else density per solid angle at the shaded point; without the selection probability.
-                          A contribution is f(dir) * incident / (pdf * selection probability) */
+    float
+        pdf; /* delta: 1; else density per solid angle at the shaded point; without the selection
+                probability. A contribution is f(dir) * incident / (pdf * selection probability) */
 } air_connection;
 
-/* Chooses an entry by power; *out_u is u rescaled to [0,1) within it. The table must not be empty. */
-uint32_t air_light_pick(const air_light_table *table, float u, float *out_probability, float *out_u);
+/* Chooses an entry by power; *out_u is u rescaled to [0,1) within it. The table must not be empty.
+ */
+uint32_t air_light_pick(const air_light_table *table, float u, float *out_probability,
+                        float *out_u);
 float air_light_pick_probability(const air_light_table *table, uint32_t entry);
 
-void air_light_sample(const air_light_table *table, uint32_t entry, float u1, float u2, air_light_point *out);
-/* False if the light does not reach `point` (behind a one-sided light, outside a cone or a gobo). Occlusion is not asked. */
-bool air_light_connect(const air_light_table *table, const air_light_point *light_point, air_vec3 point,
-                       air_connection *out);
+void air_light_sample(const air_light_table *table, uint32_t entry, float u1, float u2,
+                      air_light_point *out);
+/* False if the light does not reach `point` (behind a one-sided light, outside a cone or a gobo).
+ * Occlusion is not asked. */
+bool air_light_connect(const air_light_table *table, const air_light_point *light_point,
+                       air_vec3 point, air_connection *out);
 
-/* Density per solid angle, without the selection probability, with which air_light_sample gives a point of this area
- * light that is met at `distance` along unit `dir`. */
+/* Density per solid angle, without the selection probability, with which air_light_sample gives a
+ * point of this area light that is met at `distance` along unit `dir`. */
 float air_light_hit_pdf(const air_light_table *table, uint32_t entry, air_vec3 dir, float distance);
-/* Radiance of an environment entry from the unit direction dir (pointing away from the viewer), and its density. */
+/* Radiance of an environment entry from the unit direction dir (pointing away from the viewer), and
+ * its density. */
 air_vec3 air_environment_radiance(const air_light *light, air_vec3 dir);
 float air_environment_pdf(const air_light *light, air_vec3 dir);
-/* The radiance a polygon light (not an emissive triangle of a mesh) sends against a ray along dir that meets it. */
+/* The radiance a polygon light (not an emissive triangle of a mesh) sends against a ray along dir
+ * that meets it. */
 air_vec3 air_polygon_radiance(const air_light *light, air_vec3 dir);
 
 /* Is the collimated light open at this point (inside one of its windows, or without any)? */

@@ -1,7 +1,7 @@
 #include "scene/media/convex.h"
 
-/* Faces whose normals differ by less count as parallel; thin boxes far from the origin have such roundings. Only the kind of
- * boundary that is shown depends on it. */
+/* Faces whose normals differ by less count as parallel; thin boxes far from the origin have such
+ * roundings. Only the kind of boundary that is shown depends on it. */
 #define PARALLEL 1e-3f
 
 typedef struct plane64 {

@@ -94,10 +94,11 @@ static uint64_t apply_replacement(const air_media *media, uint64_t present)
     return kept;
 }
 
-/* What remains inside of the crossings of one boundary mesh, clipped to [a, b]. Meshes are oriented outwards, so the first
- * crossing tells whether the origin is inside. */
-static size_t add_mesh_region(const air_hit *hits, size_t hit_count, uint32_t r, const air_region *region,
-                              air_vec3 dir, float a, float b, region_event *events, size_t count)
+/* What remains inside of the crossings of one boundary mesh, clipped to [a, b]. Meshes are oriented
+ * outwards, so the first crossing tells whether the origin is inside. */
+static size_t add_mesh_region(const air_hit *hits, size_t hit_count, uint32_t r,
+                              const air_region *region, air_vec3 dir, float a, float b,
+                              region_event *events, size_t count)
 {
     float entered = -1.0f; /* negative: outside */
     bool first = true;

@@ -1,9 +1,12 @@
-// Makes the .nvdb files beside it. They were made with Debian bookworm's libopenvdb-dev and libnanovdb-dev 10.0.1:
+// Makes the .nvdb files beside it. They were made with Debian bookworm's libopenvdb-dev and
+// libnanovdb-dev 10.0.1:
 //
-//     g++ -std=c++17 -O1 -DNANOVDB_USE_ZIP -DNANOVDB_USE_BLOSC make_nvdb.cpp -lopenvdb -ltbb -lImath -lz -lblosc -o make_nvdb
+//     g++ -std=c++17 -O1 -DNANOVDB_USE_ZIP -DNANOVDB_USE_BLOSC make_nvdb.cpp -lopenvdb -ltbb
+//     -lImath -lz -lblosc -o make_nvdb
 //     ./make_nvdb
 //
-// The values are what tests/test_media_grid_nvdb.c expects: pattern(i, j, k) on [-3,6] x [0,9] x [2,5].
+// The values are what tests/test_media_grid_nvdb.c expects: pattern(i, j, k) on [-3,6] x [0,9] x
+// [2,5].
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
@@ -28,7 +31,8 @@ template <typename Grid> static void place(Grid &grid, const char *name)
     grid.setName(name);
 }
 
-template <typename Grid, typename Value> static typename Grid::Ptr fill(const char *name, Value value)
+template <typename Grid, typename Value>
+static typename Grid::Ptr fill(const char *name, Value value)
 {
     typename Grid::Ptr grid = Grid::create();
     auto accessor = grid->getAccessor();
@@ -83,7 +87,8 @@ int main()
     tiles->tree().setValue(openvdb::Coord(3, 3, 3), 0.25f);
     place(*tiles, "density");
 
-    const auto sphere = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(2.0f, openvdb::Vec3f(0), 1.0f);
+    const auto sphere =
+        openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(2.0f, openvdb::Vec3f(0), 1.0f);
     sphere->setName("density");
 
     write("zip.nvdb", list(convert<float>(*density)), Codec::ZIP);
@@ -94,7 +99,9 @@ int main()
     write("fp8.nvdb", list(convert<nanovdb::Fp8>(*density)), Codec::ZIP);
     write("fp16.nvdb", list(convert<nanovdb::Fp16>(*density)), Codec::ZIP);
     write("fpn.nvdb", list(convert<nanovdb::FpN>(*density)), Codec::ZIP);
-    write("several.nvdb", list(convert<int32_t>(*ids), convert<float>(*warm), convert<float>(*density)), Codec::ZIP);
+    write("several.nvdb",
+          list(convert<int32_t>(*ids), convert<float>(*warm), convert<float>(*density)),
+          Codec::ZIP);
     write("ids.nvdb", list(convert<int32_t>(*ids)), Codec::ZIP);
     write("tiles.nvdb", list(convert<float>(*tiles)), Codec::ZIP);
     write("level_set.nvdb", list(convert<float>(*sphere)), Codec::ZIP);
