@@ -1,7 +1,7 @@
 """Writes glTF 2.0 scenes and their pictures with nothing but Python's standard library.
 
-A Builder collects textures, materials, meshes (see shapes.py) and cameras; Builder.write puts NAME.gltf and NAME.bin into a
-folder. Lengths are metres, +Y is up, angles are radians.
+A Builder collects textures, materials, meshes (see shapes.py) and cameras; Builder.write puts
+NAME.gltf and NAME.bin into a folder. Lengths are metres, +Y is up, angles are radians.
 """
 
 import json
@@ -35,8 +35,9 @@ def write_png(path, width, height, pixel):
             rows += bytes(round(255.0 * srgb(min(1.0, max(0.0, c)))) for c in pixel(x, y))
 
     def chunk(kind, data):
-        return (struct.pack(">I", len(data)) + kind + data
-                + struct.pack(">I", zlib.crc32(kind + data)))
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
 
     with open(path, "wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n")
@@ -48,8 +49,9 @@ def write_png(path, width, height, pixel):
 def write_json(path, value):
     """Indented, with lists of plain numbers on one line."""
     text = json.dumps(value, indent=2)
-    text = re.sub(r"\[\s+([-+.\deE,\s]*?)\s+\]",
-                  lambda found: "[" + re.sub(r"\s+", " ", found[1]) + "]", text)
+    text = re.sub(
+        r"\[\s+([-+.\deE,\s]*?)\s+\]", lambda found: "[" + re.sub(r"\s+", " ", found[1]) + "]", text
+    )
     with open(path, "w", encoding="utf-8") as file:
         file.write(text + "\n")
 
@@ -62,8 +64,13 @@ class Builder:
             "extensionsUsed": ["KHR_materials_specular"],
             "scene": 0,
             "scenes": [{"nodes": []}],
-            "nodes": [], "cameras": [], "meshes": [], "materials": [],
-            "accessors": [], "bufferViews": [], "buffers": [],
+            "nodes": [],
+            "cameras": [],
+            "meshes": [],
+            "materials": [],
+            "accessors": [],
+            "bufferViews": [],
+            "buffers": [],
         }
 
     def texture(self, uri):
@@ -73,11 +80,22 @@ class Builder:
         textures.append({"source": len(images) - 1})
         return len(textures) - 1
 
-    def material(self, name, color, roughness=1.0, metallic=0.0, specular=1.0, texture=None,
-                 double_sided=False):
+    def material(
+        self,
+        name,
+        color,
+        roughness=1.0,
+        metallic=0.0,
+        specular=1.0,
+        texture=None,
+        double_sided=False,
+    ):
         """color is linear. specular 0 with metallic 0 is a pure Lambert surface."""
-        pbr = {"baseColorFactor": [*color, 1.0], "metallicFactor": metallic,
-               "roughnessFactor": roughness}
+        pbr = {
+            "baseColorFactor": [*color, 1.0],
+            "metallicFactor": metallic,
+            "roughnessFactor": roughness,
+        }
         if texture is not None:
             pbr["baseColorTexture"] = {"index": texture}
         material = {"name": name, "pbrMetallicRoughness": pbr}
@@ -89,23 +107,39 @@ class Builder:
         return len(self.gltf["materials"]) - 1
 
     def camera(self, name, position, target, yfov, aspect):
-        self.gltf["cameras"].append({
-            "name": name, "type": "perspective",
-            "perspective": {"aspectRatio": aspect, "yfov": yfov, "znear": 0.01}})
-        self._node({"name": name, "camera": len(self.gltf["cameras"]) - 1,
-                    "matrix": look_at(position, target)})
+        self.gltf["cameras"].append(
+            {
+                "name": name,
+                "type": "perspective",
+                "perspective": {"aspectRatio": aspect, "yfov": yfov, "znear": 0.01},
+            }
+        )
+        self._node(
+            {
+                "name": name,
+                "camera": len(self.gltf["cameras"]) - 1,
+                "matrix": look_at(position, target),
+            }
+        )
 
     def mesh(self, name, *shapes):
         """One mesh with a primitive for each shape."""
         primitives = []
         for shape in shapes:
             material = self.gltf["materials"][shape.material]
-            attributes = {"POSITION": self._accessor(shape.positions, "VEC3", bounds=True),
-                          "NORMAL": self._accessor(shape.normals, "VEC3")}
+            attributes = {
+                "POSITION": self._accessor(shape.positions, "VEC3", bounds=True),
+                "NORMAL": self._accessor(shape.normals, "VEC3"),
+            }
             if "baseColorTexture" in material["pbrMetallicRoughness"]:
                 attributes["TEXCOORD_0"] = self._accessor(shape.uvs, "VEC2")
-            primitives.append({"attributes": attributes, "material": shape.material,
-                               "indices": self._indices(shape.indices, len(shape.positions))})
+            primitives.append(
+                {
+                    "attributes": attributes,
+                    "material": shape.material,
+                    "indices": self._indices(shape.indices, len(shape.positions)),
+                }
+            )
         self.gltf["meshes"].append({"name": name, "primitives": primitives})
         self._node({"name": name, "mesh": len(self.gltf["meshes"]) - 1})
 
@@ -121,16 +155,21 @@ class Builder:
 
     def _view(self, data, target):
         self.data += bytes(-len(self.data) % 4)
-        self.gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(self.data),
-                                         "byteLength": len(data), "target": target})
+        self.gltf["bufferViews"].append(
+            {"buffer": 0, "byteOffset": len(self.data), "byteLength": len(data), "target": target}
+        )
         self.data += data
         return len(self.gltf["bufferViews"]) - 1
 
     def _accessor(self, rows, kind, bounds=False):
         flat = [x for row in rows for x in row]
         data = struct.pack("<%df" % len(flat), *flat)
-        accessor = {"bufferView": self._view(data, 34962), "componentType": 5126,
-                    "count": len(rows), "type": kind}
+        accessor = {
+            "bufferView": self._view(data, 34962),
+            "componentType": 5126,
+            "count": len(rows),
+            "type": kind,
+        }
         if bounds:
             stored = struct.unpack("<%df" % len(flat), data)
             accessor["min"] = [min(stored[k::3]) for k in range(3)]
@@ -141,7 +180,12 @@ class Builder:
     def _indices(self, indices, vertex_count):
         code, component = ("H", 5123) if vertex_count < 65536 else ("I", 5125)
         data = struct.pack("<%d%s" % (len(indices), code), *indices)
-        self.gltf["accessors"].append({"bufferView": self._view(data, 34963),
-                                       "componentType": component, "count": len(indices),
-                                       "type": "SCALAR"})
+        self.gltf["accessors"].append(
+            {
+                "bufferView": self._view(data, 34963),
+                "componentType": component,
+                "count": len(indices),
+                "type": "SCALAR",
+            }
+        )
         return len(self.gltf["accessors"]) - 1

@@ -1,12 +1,13 @@
 """Vectors and triangles for the scenes beside it, with nothing but Python's standard library.
 
-Lengths are metres, +Y is up, angles are radians. Texture coordinates are metres times Shape.uv_scale.
+Lengths are metres, +Y is up, angles are radians. Texture coordinates are metres times
+Shape.uv_scale.
 """
 
 import math
 
-
 # ---- small vectors ----
+
 
 def add(a, b):
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
@@ -33,6 +34,7 @@ def unit(a):
 
 
 # ---- triangles ----
+
 
 class Shape:
     """Triangles with normals and texture coordinates, all of one material."""
@@ -62,8 +64,11 @@ class Shape:
 
     def box(self, low, high, bevel=0.0):
         """A closed box between two corners; a bevel cuts all its edges at 45 degrees."""
+
         def corner(signs, inset):
-            return tuple((high[k] - inset[k] if signs[k] > 0 else low[k] + inset[k]) for k in range(3))
+            return tuple(
+                (high[k] - inset[k] if signs[k] > 0 else low[k] + inset[k]) for k in range(3)
+            )
 
         signs = (-1, 1)
         for axis in range(3):
@@ -93,8 +98,12 @@ class Shape:
                         at = [end] * 3
                         at[u], at[v] = su, sv
                         ends.append(at)
-                    ring = [corner(ends[0], on_u), corner(ends[1], on_u), corner(ends[1], on_v),
-                            corner(ends[0], on_v)]
+                    ring = [
+                        corner(ends[0], on_u),
+                        corner(ends[1], on_u),
+                        corner(ends[1], on_v),
+                        corner(ends[0], on_v),
+                    ]
                     self.face(ring if su * sv < 0 else ring[::-1])
         for sx in (-1, 1):
             for sy in (-1, 1):
@@ -125,8 +134,12 @@ class Shape:
                 for k in range(segments + 1):
                     angle = 2.0 * math.pi * (k % segments) / segments
                     c, s = math.cos(angle), -math.sin(angle)
-                    row.append(self.vertex(add(centre, (radius * c, height, radius * s)),
-                                           (math.sin(slope) * c, -math.cos(slope), math.sin(slope) * s)))
+                    row.append(
+                        self.vertex(
+                            add(centre, (radius * c, height, radius * s)),
+                            (math.sin(slope) * c, -math.cos(slope), math.sin(slope) * s),
+                        )
+                    )
                 rows.append(row)
             for k in range(segments):
                 b, a, c, d = rows[0][k], rows[0][k + 1], rows[1][k], rows[1][k + 1]
@@ -158,7 +171,7 @@ class Shape:
         """Sets each vertex's normal to the mean of its triangles', weighted by area."""
         sums = [(0.0, 0.0, 0.0)] * len(self.positions)
         for k in range(0, len(self.indices), 3):
-            ids = self.indices[k:k + 3]
+            ids = self.indices[k : k + 3]
             a, b, c = (self.positions[i] for i in ids)
             normal = cross(sub(b, a), sub(c, a))
             for i in ids:
@@ -184,10 +197,13 @@ def placed(x, y, z, turn=0.0):
 
 
 def icosphere(material, centre, radius, subdivisions):
-    """A sphere of 20 * 4^subdivisions triangles with its vertices on the sphere and smooth normals."""
+    """A sphere of 20 * 4^subdivisions triangles, its vertices on the sphere, normals smooth."""
     golden = (1.0 + math.sqrt(5.0)) / 2.0
-    points = [unit(p) for a, b in ((1, golden), (-1, golden), (1, -golden), (-1, -golden))
-              for p in ((0, a, b), (a, b, 0), (b, 0, a))]
+    points = [
+        unit(p)
+        for a, b in ((1, golden), (-1, golden), (1, -golden), (-1, -golden))
+        for p in ((0, a, b), (a, b, 0), (b, 0, a))
+    ]
     edge = min(dot(sub(p, q), sub(p, q)) for p in points for q in points if p != q)
 
     def near(i, j):
@@ -222,8 +238,9 @@ def icosphere(material, centre, radius, subdivisions):
 
 
 def blob(material, centre, size, bump, subdivisions=2):
-    """An icosphere of size (x, y, z) whose points p on the unit sphere move out to bump(p) times p."""
+    """An icosphere of size (x, y, z) whose points p on the unit sphere move to bump(p) p."""
     shape = icosphere(material, (0.0, 0.0, 0.0), 1.0, subdivisions)
-    shape.positions = [add(centre, tuple(size[k] * bump(p) * p[k] for k in range(3)))
-                       for p in shape.positions]
+    shape.positions = [
+        add(centre, tuple(size[k] * bump(p) * p[k] for k in range(3))) for p in shape.positions
+    ]
     return shape.smooth()

@@ -13,7 +13,6 @@
 
 #include <cmocka.h>
 
-#include "core/warp.h"
 #include "path/path.h"
 
 /* Means over replicates with the standard error of the mean of each channel. */
@@ -27,25 +26,36 @@ typedef struct probe {
     const air_vec3 *dir; /* NULL: integrated over the sphere, that is, fluence */
     uint32_t max_depth, terms;
     uint32_t replicates, samples; /* samples per replicate, a multiple of 16 */
+    air_vec3 source;              /* fluence: where the light is */
 } probe;
 
-static inline air_vec3 probe_direction(const probe *p, air_f32x4 u)
+/* Directions of fluence have all angles to the source alike: the light that fog scatters around a
+ * point source rises as 1 / sin(angle), so that a uniform density of directions would have infinite
+ * variance. Returns one over the density, and the direction. */
+static inline float probe_direction(const probe *p, air_f32x4 u, air_vec3 *dir)
 {
-    return p->dir != NULL ? *p->dir : sample_sphere(u[0], u[1]);
+    if (p->dir != NULL) {
+        *dir = *p->dir;
+        return 1.0f;
+    }
+    const air_frame frame = frame_from_normal(vec3_normalize(vec3_sub(p->source, p->origin)));
+    const float theta = AIR_PI_F * u[0], phi = 2.0f * AIR_PI_F * u[1], r = sinf(theta);
+    *dir = frame_to_world(&frame, vec3(r * cosf(phi), r * sinf(phi), cosf(theta)));
+    return 2.0f * AIR_PI_F * AIR_PI_F * r;
 }
 
 static inline void probe_replicate(const air_path *path, const air_sobol *sobol, const probe *p,
                                    air_path_scratch *scratch, uint32_t replicate,
                                    double sum[AIR_TERM_COUNT][3])
 {
-    const double scale = (p->dir != NULL ? 1.0 : 4.0 * AIR_PI) / p->samples;
     for (uint32_t s = 0; s < p->samples; s += AIR_PATH_LANES) {
         air_path_lane lanes[AIR_PATH_LANES];
+        double weights[AIR_PATH_LANES];
         for (uint32_t i = 0; i < AIR_PATH_LANES; i++) {
             lanes[i].sampler = air_sampler_make(sobol, air_hash32(replicate + 1), s + i);
             const air_f32x4 u = air_sampler_get(&lanes[i].sampler, 0);
             lanes[i].origin = p->origin;
-            lanes[i].dir = probe_direction(p, u);
+            weights[i] = (double)probe_direction(p, u, &lanes[i].dir) / p->samples;
             lanes[i].u_distance = u[2];
             lanes[i].u_pick = u[3];
             lanes[i].x = lanes[i].y = 0;
@@ -54,9 +64,9 @@ static inline void probe_replicate(const air_path *path, const air_sobol *sobol,
         air_path_trace(path, scratch, lanes, AIR_PATH_LANES);
         for (uint32_t i = 0; i < AIR_PATH_LANES; i++) {
             for (int t = 0; t < AIR_TERM_COUNT; t++) {
-                sum[t][0] += scale * (double)lanes[i].terms[t].x;
-                sum[t][1] += scale * (double)lanes[i].terms[t].y;
-                sum[t][2] += scale * (double)lanes[i].terms[t].z;
+                sum[t][0] += weights[i] * (double)lanes[i].terms[t].x;
+                sum[t][1] += weights[i] * (double)lanes[i].terms[t].y;
+                sum[t][2] += weights[i] * (double)lanes[i].terms[t].z;
             }
         }
     }

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Makes smoke: a plume rising from a fire bowl on open ground, under a low sun.
 
-smoke.vol holds the density as a Mitsuba grid volume of 56 x 72 x 56 voxels; sky.hdr is the environment, latitude and
-longitude, 256 x 128 texels, its centre column towards -Z and +X to its right.
+smoke.vol holds the density as a Mitsuba grid volume of 56 x 72 x 56 voxels; sky.hdr is the
+environment, latitude and longitude, 256 x 128 texels, its centre column towards -Z and +X to its
+right.
 """
 
 import math
@@ -26,8 +27,9 @@ SUN_IRRADIANCE = (6.0, 4.2, 2.5)  # W/m^2, perpendicular
 
 # ---- density ----
 
+
 class Noise:
-    """Gradient-free value noise on a periodic lattice of 32^3 random numbers, smooth, mean 0, in [-1, 1]."""
+    """Value noise on a periodic lattice of 32^3 random numbers: smooth, mean 0, in [-1, 1]."""
 
     def __init__(self, seed):
         rng = random.Random(seed)
@@ -55,13 +57,17 @@ def puffs():
     count = 46
     for n in range(count):
         t = n / (count - 1.0)
-        height = 0.50 + 3.45 * t ** 0.9
-        spread = 0.05 + 0.62 * t ** 1.3
+        height = 0.50 + 3.45 * t**0.9
+        spread = 0.05 + 0.62 * t**1.3
         turn = rng.uniform(0.0, 2.0 * math.pi)
         away = spread * math.sqrt(rng.random())
         wind = 0.42 * t * t
-        balls.append(((away * math.cos(turn) + wind, height, 0.8 * away * math.sin(turn)),
-                      0.13 + 0.44 * t ** 0.8 * rng.uniform(0.7, 1.15)))
+        balls.append(
+            (
+                (away * math.cos(turn) + wind, height, 0.8 * away * math.sin(turn)),
+                0.13 + 0.44 * t**0.8 * rng.uniform(0.7, 1.15),
+            )
+        )
     return balls
 
 
@@ -85,9 +91,14 @@ def density_at(p, balls, coarse, fine):
         return 0.0
     # The balls are looked up at a place that noise has moved: rolls and folds.
     q = scale(p, 2.3)
-    moved = add(p, scale((coarse(*q), coarse(q[0] + 11.0, q[1], q[2]), coarse(q[0], q[1] + 17.0, q[2])), 0.16))
+    moved = add(
+        p,
+        scale((coarse(*q), coarse(q[0] + 11.0, q[1], q[2]), coarse(q[0], q[1] + 17.0, q[2])), 0.16),
+    )
     q = scale(p, 5.1)
-    moved = add(moved, scale((fine(*q), fine(q[0] + 7.0, q[1], q[2]), fine(q[0], q[1], q[2] + 5.0)), 0.06))
+    moved = add(
+        moved, scale((fine(*q), fine(q[0] + 7.0, q[1], q[2]), fine(q[0], q[1], q[2] + 5.0)), 0.06)
+    )
     depth = 0.0  # how far inside the ball that holds it best, in radii
     for c, r in balls:
         away = sub(moved, c)
@@ -109,6 +120,7 @@ def write_vol(path, values):
 
 # ---- sky ----
 
+
 def sky_radiance(d):
     up = d[1]
     toward_sun = dot(d, TO_SUN)
@@ -122,7 +134,7 @@ def sky_radiance(d):
 
 
 def write_sky(path, width=256, height=128, parts=6):
-    """Radiance RGBE, not run-length encoded. The sun's share of a texel comes from parts x parts points."""
+    """Radiance RGBE, not run-length encoded; a texel is sun as far as parts x parts points are."""
     cos_sun = math.cos(SUN_RADIUS)
     sun = scale(SUN_IRRADIANCE, 1.0 / (math.pi * math.sin(SUN_RADIUS) ** 2))
     data = bytearray()
@@ -130,7 +142,10 @@ def write_sky(path, width=256, height=128, parts=6):
         for x in range(width):
             hits, total = 0, (0.0, 0.0, 0.0)
             for k in range(parts * parts):
-                d = sky_direction((x + (k % parts + 0.5) / parts) / width, (y + (k // parts + 0.5) / parts) / height)
+                d = sky_direction(
+                    (x + (k % parts + 0.5) / parts) / width,
+                    (y + (k // parts + 0.5) / parts) / height,
+                )
                 hits += dot(d, TO_SUN) > cos_sun
                 if k % 7 == 0:
                     total = add(total, sky_radiance(d))
@@ -148,49 +163,89 @@ def sky_direction(u, v):
 
 def rgbe(color):
     mantissa, exponent = math.frexp(max(color))
-    return bytes([int(c * 256.0 / 2.0 ** exponent) for c in color] + [exponent + 128])
+    return bytes([int(c * 256.0 / 2.0**exponent) for c in color] + [exponent + 128])
 
 
 # ---- what stands on the ground ----
 
+
 def ground(builder):
     earth = builder.material("earth", (0.23, 0.19, 0.14), specular=0.0)
     shape = Shape(earth)
-    ring = [(90.0 * math.cos(a), 0.0, -90.0 * math.sin(a)) for a in (2.0 * math.pi * k / 48 for k in range(48))]
+    ring = [
+        (90.0 * math.cos(a), 0.0, -90.0 * math.sin(a))
+        for a in (2.0 * math.pi * k / 48 for k in range(48))
+    ]
     shape.face(ring)
     builder.mesh("ground", shape)
 
     stone = builder.material("stone", (0.30, 0.28, 0.26), specular=0.0)
     stones = Shape(stone)
     rng = random.Random(3)
-    spots = [(0.95 * math.cos(a), 0.95 * math.sin(a), rng.uniform(0.13, 0.21))
-             for a in (2.0 * math.pi * (k + rng.uniform(-0.2, 0.2)) / 13 for k in range(13))]
+    spots = [
+        (0.95 * math.cos(a), 0.95 * math.sin(a), rng.uniform(0.13, 0.21))
+        for a in (2.0 * math.pi * (k + rng.uniform(-0.2, 0.2)) / 13 for k in range(13))
+    ]
     spots += [(-2.9, -1.5, 0.55), (-2.2, -2.1, 0.30), (3.1, -2.6, 0.65), (2.5, 1.1, 0.24)]
     for x, z, size in spots:
         turn = rng.uniform(0.0, 6.0)
-        stones.join(blob(stone, (x, 0.55 * size, z), (size, 0.72 * size, size), lambda p, turn=turn: (
-            1.0 + 0.16 * math.sin(2.5 * p[0] + turn) + 0.13 * math.sin(3.0 * p[2] - 2.0 * turn))))
+        stones.join(
+            blob(
+                stone,
+                (x, 0.55 * size, z),
+                (size, 0.72 * size, size),
+                lambda p, turn=turn: (
+                    1.0
+                    + 0.16 * math.sin(2.5 * p[0] + turn)
+                    + 0.13 * math.sin(3.0 * p[2] - 2.0 * turn)
+                ),
+            )
+        )
     builder.mesh("stones", stones)
 
 
 def fire_bowl(builder):
     iron = builder.material("iron", (0.09, 0.085, 0.08), roughness=0.55, metallic=1.0)
     shape = Shape(iron).lathe(
-        [(0.0, 0.21), (0.15, 0.22), (0.32, 0.32), (0.42, 0.50), (0.44, 0.50), (0.44, 0.52), (0.40, 0.52),
-         (0.30, 0.35), (0.14, 0.26), (0.0, 0.25)], 40)
-    shape.lathe([(0.0, 0.0), (0.24, 0.0), (0.24, 0.03), (0.07, 0.06), (0.06, 0.22), (0.0, 0.22)], 32)
+        [
+            (0.0, 0.21),
+            (0.15, 0.22),
+            (0.32, 0.32),
+            (0.42, 0.50),
+            (0.44, 0.50),
+            (0.44, 0.52),
+            (0.40, 0.52),
+            (0.30, 0.35),
+            (0.14, 0.26),
+            (0.0, 0.25),
+        ],
+        40,
+    )
+    shape.lathe(
+        [(0.0, 0.0), (0.24, 0.0), (0.24, 0.03), (0.07, 0.06), (0.06, 0.22), (0.0, 0.22)], 32
+    )
     builder.mesh("fire bowl", shape)
 
 
 def sidecar():
     return {
-        "media": [{
-            "name": "smoke", "sigma_s": [8.2, 8.2, 8.2], "sigma_a": [0.75, 0.85, 1.0], "g": 0.5,
-            "density": {"grid": {"file": "smoke.vol"}},
-        }],
+        "media": [
+            {
+                "name": "smoke",
+                "sigma_s": [8.2, 8.2, 8.2],
+                "sigma_a": [0.75, 0.85, 1.0],
+                "g": 0.5,
+                "density": {"grid": {"file": "smoke.vol"}},
+            }
+        ],
         "lights": [
             {"name": "sky", "type": "environment", "image": "sky.hdr"},
-            {"name": "fire", "type": "point", "position": [0.0, 0.47, 0.0], "intensity": [5.0, 2.1, 0.55]},
+            {
+                "name": "fire",
+                "type": "point",
+                "position": [0.0, 0.47, 0.0],
+                "intensity": [5.0, 2.1, 0.55],
+            },
         ],
     }
 

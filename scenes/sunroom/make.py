@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Makes sunroom: a furnished room on a hazy morning, the sun coming through three windows.
 
-Inside the room is 6.4 m wide (x), 5.6 m deep (z) and 2.9 m high (y), the floor at y = 0. The windows are in the wall at
-x = -3.2. Walls, floor and roof are closed boxes that overlap at the corners, so that no light leaks in.
+Inside the room is 6.4 m wide (x), 5.6 m deep (z) and 2.9 m high (y), the floor at y = 0. The
+windows are in the wall at x = -3.2. Walls, floor and roof are closed boxes that overlap at the
+corners, so that no light leaks in.
 """
 
 import math
@@ -29,11 +30,12 @@ HAZE = {"sigma_s": [0.11, 0.11, 0.11], "sigma_a": [0.004, 0.004, 0.004], "g": 0.
 
 # ---- pictures ----
 
+
 def lattice(x, y, seed):
     """A fixed random number in [0, 1) for each point with whole coordinates."""
     n = (x * 374761393 + y * 668265263 + seed * 2147483647) & 0xFFFFFFFF
     n = ((n ^ (n >> 13)) * 1274126177) & 0xFFFFFFFF
-    return (n ^ (n >> 16)) / 2.0 ** 32
+    return (n ^ (n >> 16)) / 2.0**32
 
 
 def noise(x, y, seed, period):
@@ -45,8 +47,7 @@ def noise(x, y, seed, period):
     def at(di, dj):
         return lattice((i + di) % period, (j + dj) % period, seed)
 
-    return ((at(0, 0) * (1 - u) + at(1, 0) * u) * (1 - v)
-            + (at(0, 1) * (1 - u) + at(1, 1) * u) * v)
+    return (at(0, 0) * (1 - u) + at(1, 0) * u) * (1 - v) + (at(0, 1) * (1 - u) + at(1, 1) * u) * v
 
 
 def mix(a, b, t):
@@ -55,6 +56,7 @@ def mix(a, b, t):
 
 def write_planks(path, size=512, rows=8):
     """Oak planks along u: 8 rows, each with one joint."""
+
     def pixel(x, y):
         row = y * rows // size
         joint = int(lattice(row, 0, 5) * size)
@@ -93,14 +95,19 @@ def write_rug(path, width=256, height=160):
 
 def write_painting(path, size=128):
     """Hills under a morning sky."""
+
     def pixel(x, y):
         u, v = x / size, 1.0 - y / size
         color = mix((0.85, 0.55, 0.30), (0.20, 0.36, 0.60), min(1.0, max(0.0, (v - 0.45) * 2.2)))
         if (u - 0.68) ** 2 + (v - 0.62) ** 2 < 0.006:
             color = (0.95, 0.82, 0.50)
         for layer in range(4):
-            crest = 0.52 - 0.12 * layer + 0.10 * (noise(u * (3 + layer) + 9 * layer, 0.5, layer, 64) - 0.5) \
+            crest = (
+                0.52
+                - 0.12 * layer
+                + 0.10 * (noise(u * (3 + layer) + 9 * layer, 0.5, layer, 64) - 0.5)
                 + 0.03 * math.sin(9.0 * u + 2.0 * layer)
+            )
             if v < crest:
                 color = mix((0.35, 0.42, 0.45), (0.06, 0.13, 0.05), layer / 3.0)
         return scale(color, 0.88 + 0.12 * noise(x / 3.0, y / 3.0, 8, 64))
@@ -109,6 +116,7 @@ def write_painting(path, size=128):
 
 
 # ---- the building ----
+
 
 def walls(builder, paint):
     x0, x1, z0, z1 = -HALF_X, HALF_X, -HALF_Z, HALF_Z
@@ -120,13 +128,17 @@ def walls(builder, paint):
     # The wall with the windows: a band below, a band above, and piers that reach into both.
     shell.box((x0 - WALL, -WALL, z0 - WALL), (x0, SILL, z1 + WALL))
     shell.box((x0 - WALL, LINTEL, z0 - WALL), (x0, top, z1 + WALL))
-    edges = [z0 - WALL] + [z for c in WINDOWS for z in (c - WINDOW_HALF, c + WINDOW_HALF)] + [z1 + WALL]
+    edges = (
+        [z0 - WALL] + [z for c in WINDOWS for z in (c - WINDOW_HALF, c + WINDOW_HALF)] + [z1 + WALL]
+    )
     for a, b in zip(edges[0::2], edges[1::2]):
         shell.box((x0 - WALL, SILL - 0.1, a), (x0, LINTEL + 0.1, b))
     builder.mesh("walls", shell)
 
     ceiling = Shape(paint["ceiling"])
-    ceiling.box((x0 - WALL - 0.4, HEIGHT, z0 - WALL - 0.4), (x1 + WALL + 0.4, top + 0.1, z1 + WALL + 0.4))
+    ceiling.box(
+        (x0 - WALL - 0.4, HEIGHT, z0 - WALL - 0.4), (x1 + WALL + 0.4, top + 0.1, z1 + WALL + 0.4)
+    )
     builder.mesh("ceiling", ceiling)
 
     floor = Shape(paint["planks"], uv_scale=1.0 / 1.6)
@@ -142,7 +154,9 @@ def walls(builder, paint):
 
     beams = Shape(paint["dark oak"])
     for z in (-2.2, -1.1, 0.0, 1.1, 2.2):
-        beams.box((x0 - 0.05, HEIGHT - 0.2, z - 0.075), (x1 + 0.05, HEIGHT + 0.05, z + 0.075), 0.012)
+        beams.box(
+            (x0 - 0.05, HEIGHT - 0.2, z - 0.075), (x1 + 0.05, HEIGHT + 0.05, z + 0.075), 0.012
+        )
     builder.mesh("beams", beams)
 
 
@@ -151,14 +165,20 @@ def windows(builder, paint):
     x0, x1 = -HALF_X - 0.21, -HALF_X - 0.14  # depth of the frame in the wall
     for centre in WINDOWS:
         a, b = centre - WINDOW_HALF, centre + WINDOW_HALF
-        for z0, z1 in ((a - 0.02, a + 0.055), (b - 0.055, b + 0.02), (centre - 0.032, centre + 0.032)):
+        for z0, z1 in (
+            (a - 0.02, a + 0.055),
+            (b - 0.055, b + 0.02),
+            (centre - 0.032, centre + 0.032),
+        ):
             frames.box((x0, SILL - 0.02, z0), (x1, LINTEL + 0.02, z1), 0.008)
         for y0, y1 in ((SILL - 0.02, SILL + 0.06), (LINTEL - 0.055, LINTEL + 0.02)):
             frames.box((x0, y0, a - 0.02), (x1, y1, b + 0.02), 0.008)
         for part in (1, 2, 3):
             y = SILL + (LINTEL - SILL) * part / 4.0
             frames.box((x0 + 0.018, y - 0.016, a), (x1 - 0.018, y + 0.016, b))
-        boards.box((-HALF_X - 0.16, SILL - 0.005, a - 0.06), (-HALF_X + 0.07, SILL + 0.03, b + 0.06), 0.008)
+        boards.box(
+            (-HALF_X - 0.16, SILL - 0.005, a - 0.06), (-HALF_X + 0.07, SILL + 0.03, b + 0.06), 0.008
+        )
     builder.mesh("window frames", frames)
     builder.mesh("window boards", boards)
 
@@ -167,7 +187,9 @@ def curtains(builder, paint):
     cloth, rods = Shape(paint["curtain"]), Shape(paint["brass"])
     for centre in WINDOWS:
         for side in (-1, 1):
-            inner, outer = centre + side * (WINDOW_HALF - 0.015), centre + side * (WINDOW_HALF + 0.2)
+            inner, outer = centre + side * (WINDOW_HALF - 0.015), centre + side * (
+                WINDOW_HALF + 0.2
+            )
             # Seen from the room, right runs towards -z.
             z0, z1 = (outer, inner) if side > 0 else (inner, outer)
             rows = []
@@ -179,8 +201,19 @@ def curtains(builder, paint):
                     row.append((-HALF_X + 0.10 + 0.032 * fold, y, z0 + (z1 - z0) * t))
                 rows.append(row)
             cloth.sheet(rows)
-        rod = Shape(paint["brass"]).lathe([(0.0, -0.88), (0.022, -0.87), (0.022, -0.82), (0.011, -0.82), (0.011, 0.82),
-                                           (0.022, 0.82), (0.022, 0.87), (0.0, 0.88)], 12)
+        rod = Shape(paint["brass"]).lathe(
+            [
+                (0.0, -0.88),
+                (0.022, -0.87),
+                (0.022, -0.82),
+                (0.011, -0.82),
+                (0.011, 0.82),
+                (0.022, 0.82),
+                (0.022, 0.87),
+                (0.0, 0.88),
+            ],
+            12,
+        )
         rods.join(rod, lambda p, c=centre: (-HALF_X + 0.10 + p[0], 2.52 - p[2], c + p[1]))
     builder.mesh("curtains", cloth)
     builder.mesh("curtain rods", rods)
@@ -192,7 +225,9 @@ TABLE_AT, TABLE_TURN = (-0.55, 0.0, -0.15), math.radians(8.0)
 
 
 def table(builder, paint):
-    top = Shape(paint["boards"], uv_scale=1.0 / 1.6).box((-0.85, 0.715, -0.45), (0.85, 0.75, 0.45), 0.006)
+    top = Shape(paint["boards"], uv_scale=1.0 / 1.6).box(
+        (-0.85, 0.715, -0.45), (0.85, 0.75, 0.45), 0.006
+    )
     frame = Shape(paint["oak"])
     for x in (-0.76, 0.76):
         for z in (-0.36, 0.36):
@@ -202,7 +237,9 @@ def table(builder, paint):
     for x in (-0.76, 0.76):
         frame.box((x - 0.014, 0.62, -0.34), (x + 0.014, 0.716, 0.34))
     move = placed(*TABLE_AT, TABLE_TURN)
-    builder.mesh("table", Shape(paint["boards"]).join(top, move), Shape(paint["oak"]).join(frame, move))
+    builder.mesh(
+        "table", Shape(paint["boards"]).join(top, move), Shape(paint["oak"]).join(frame, move)
+    )
 
 
 def chair_shape(material):
@@ -224,7 +261,12 @@ def chair_shape(material):
 def chairs(builder, paint):
     shape = Shape(paint["oak"])
     on_table = placed(*TABLE_AT, TABLE_TURN)
-    for x, z, turn in ((-0.38, -0.52, 0.0), (0.40, -0.56, -6.0), (-0.42, 0.55, 176.0), (0.46, 0.74, 150.0)):
+    for x, z, turn in (
+        (-0.38, -0.52, 0.0),
+        (0.40, -0.56, -6.0),
+        (-0.42, 0.55, 176.0),
+        (0.46, 0.74, 150.0),
+    ):
         stand = placed(x, 0.0, z, math.radians(turn))
         shape.join(chair_shape(paint["oak"]), lambda p, stand=stand: on_table(stand(p)))
     builder.mesh("chairs", shape)
@@ -233,9 +275,23 @@ def chairs(builder, paint):
 def on_table(builder, paint):
     move = placed(TABLE_AT[0], 0.75, TABLE_AT[2], TABLE_TURN)
     vase = Shape(paint["glaze"]).lathe(
-        [(0.0, 0.0), (0.045, 0.0), (0.075, 0.06), (0.082, 0.12), (0.06, 0.19), (0.032, 0.235), (0.038, 0.265),
-         (0.032, 0.265), (0.027, 0.235), (0.0, 0.22)], 32)
-    builder.mesh("vase", Shape(paint["glaze"]).join(vase, lambda p: move(add(p, (0.22, 0.0, -0.05)))))
+        [
+            (0.0, 0.0),
+            (0.045, 0.0),
+            (0.075, 0.06),
+            (0.082, 0.12),
+            (0.06, 0.19),
+            (0.032, 0.235),
+            (0.038, 0.265),
+            (0.032, 0.265),
+            (0.027, 0.235),
+            (0.0, 0.22),
+        ],
+        32,
+    )
+    builder.mesh(
+        "vase", Shape(paint["glaze"]).join(vase, lambda p: move(add(p, (0.22, 0.0, -0.05))))
+    )
 
     rng = random.Random(4)
     twigs, leaves = Shape(paint["dark oak"]), Shape(paint["leaf"])
@@ -246,24 +302,50 @@ def on_table(builder, paint):
         stalk(twigs, foot, tip, 0.0025)
         for k in range(6):
             t = 0.35 + 0.65 * k / 5.0
-            leaf(leaves, add(foot, scale(add(tip, scale(foot, -1.0)), t)), rng.uniform(0.0, 2.0 * math.pi),
-                 rng.uniform(-0.2, 0.9), 0.075)
-    builder.mesh("branches", Shape(paint["dark oak"]).join(twigs, move), Shape(paint["leaf"]).join(leaves, move))
+            leaf(
+                leaves,
+                add(foot, scale(add(tip, scale(foot, -1.0)), t)),
+                rng.uniform(0.0, 2.0 * math.pi),
+                rng.uniform(-0.2, 0.9),
+                0.075,
+            )
+    builder.mesh(
+        "branches",
+        Shape(paint["dark oak"]).join(twigs, move),
+        Shape(paint["leaf"]).join(leaves, move),
+    )
 
     bowl = Shape(paint["white"]).lathe(
-        [(0.0, 0.0), (0.06, 0.0), (0.075, 0.012), (0.13, 0.06), (0.15, 0.085), (0.142, 0.085), (0.12, 0.06),
-         (0.06, 0.022), (0.0, 0.02)], 32)
-    builder.mesh("bowl", Shape(paint["white"]).join(bowl, lambda p: move(add(p, (-0.32, 0.0, 0.06)))))
-    for name, spots in (("orange", ((-0.36, 0.068, 0.03), (-0.285, 0.068, 0.03), (-0.32, 0.068, 0.105))),
-                        ("apple", ((-0.325, 0.127, 0.055),))):
+        [
+            (0.0, 0.0),
+            (0.06, 0.0),
+            (0.075, 0.012),
+            (0.13, 0.06),
+            (0.15, 0.085),
+            (0.142, 0.085),
+            (0.12, 0.06),
+            (0.06, 0.022),
+            (0.0, 0.02),
+        ],
+        32,
+    )
+    builder.mesh(
+        "bowl", Shape(paint["white"]).join(bowl, lambda p: move(add(p, (-0.32, 0.0, 0.06))))
+    )
+    for name, spots in (
+        ("orange", ((-0.36, 0.068, 0.03), (-0.285, 0.068, 0.03), (-0.32, 0.068, 0.105))),
+        ("apple", ((-0.325, 0.127, 0.055),)),
+    ):
         fruit = Shape(paint[name])
         for spot in spots:
             fruit.join(icosphere(paint[name], spot, 0.041, 2))
         builder.mesh(name, Shape(paint[name]).join(fruit, move))
 
     book = Shape(paint["book 2"]).box((0.0, 0.0, 0.0), (0.16, 0.025, 0.22), 0.002)
-    builder.mesh("open table book", Shape(paint["book 2"]).join(
-        book, lambda p: move(placed(0.50, 0.0, 0.08, 0.5)(p))))
+    builder.mesh(
+        "open table book",
+        Shape(paint["book 2"]).join(book, lambda p: move(placed(0.50, 0.0, 0.08, 0.5)(p))),
+    )
 
 
 def stalk(shape, foot, tip, radius):
@@ -299,7 +381,12 @@ def sofa(builder, paint):
         pillow = Shape(paint["cushion"]).box((-0.21, 0.0, -0.06), (0.21, 0.40, 0.06), 0.055)
         c, s = math.cos(tilt), math.sin(tilt)
         stand = placed(x, 0.45, 0.05, turn)
-        pillows.join(pillow, lambda p, c=c, s=s, stand=stand: stand((p[0], c * p[1] + s * p[2], c * p[2] - s * p[1])))
+        pillows.join(
+            pillow,
+            lambda p, c=c, s=s, stand=stand: stand(
+                (p[0], c * p[1] + s * p[2], c * p[2] - s * p[1])
+            ),
+        )
     feet = Shape(paint["dark oak"])
     for x in (-0.95, 0.95):
         for z in (-0.34, 0.34):
@@ -332,23 +419,37 @@ def bookcase(builder, paint):
             depth = rng.uniform(0.16, 0.22)
             if x + width > x1 - 0.035:
                 break
-            rng.choice(colors).box((x, y + 0.024, z1 - 0.03 - depth), (x + width, y + 0.026 + height, z1 - 0.03), 0.003)
+            rng.choice(colors).box(
+                (x, y + 0.024, z1 - 0.03 - depth), (x + width, y + 0.026 + height, z1 - 0.03), 0.003
+            )
             x += width + 0.0015
     builder.mesh("books", *colors)
 
 
 def pictures(builder, paint):
-    for k, (x, y, half_w, half_h) in enumerate(((-2.15, 1.62, 0.30, 0.36), (-1.35, 1.66, 0.38, 0.30),
-                                                (-0.62, 1.58, 0.22, 0.27))):
+    for k, (x, y, half_w, half_h) in enumerate(
+        ((-2.15, 1.62, 0.30, 0.36), (-1.35, 1.66, 0.38, 0.30), (-0.62, 1.58, 0.22, 0.27))
+    ):
         z = -HALF_Z
         frame, canvas = Shape(paint["brass" if k == 1 else "dark oak"]), Shape(paint["painting"])
         w, h, b = half_w, half_h, 0.035
-        for x0, x1, y0, y1 in ((-w - b, w + b, h, h + b), (-w - b, w + b, -h - b, -h), (-w - b, -w, -h, h),
-                               (w, w + b, -h, h)):
+        for x0, x1, y0, y1 in (
+            (-w - b, w + b, h, h + b),
+            (-w - b, w + b, -h - b, -h),
+            (-w - b, -w, -h, h),
+            (w, w + b, -h, h),
+        ):
             frame.box((x + x0, y + y0, z - 0.005), (x + x1, y + y1, z + 0.03), 0.006)
         u0 = 0.0 if k == 1 else 0.3 * k
-        canvas.face([(x - w, y - h, z + 0.012), (x + w, y - h, z + 0.012), (x + w, y + h, z + 0.012),
-                     (x - w, y + h, z + 0.012)], [(u0, 1.0), (u0 + w / 0.38, 1.0), (u0 + w / 0.38, 0.0), (u0, 0.0)])
+        canvas.face(
+            [
+                (x - w, y - h, z + 0.012),
+                (x + w, y - h, z + 0.012),
+                (x + w, y + h, z + 0.012),
+                (x - w, y + h, z + 0.012),
+            ],
+            [(u0, 1.0), (u0 + w / 0.38, 1.0), (u0 + w / 0.38, 0.0), (u0, 0.0)],
+        )
         builder.mesh("picture %d" % (k + 1), frame, canvas)
 
 
@@ -367,19 +468,39 @@ LAMP_AT, LAMP_RADIUS = (-0.5, 1.66, -0.2), 0.125
 
 
 def lamp(builder, paint):
-    shade = Shape(paint["shade"]).lathe([(0.235, -0.03), (0.205, 0.06), (0.13, 0.15), (0.045, 0.19), (0.028, 0.25)], 40)
-    bowl = Shape(paint["socket"]).lathe([(0.0, 0.012), (LAMP_RADIUS + 0.004, 0.012), (0.05, 0.12), (0.0, 0.13)], 24)
+    shade = Shape(paint["shade"]).lathe(
+        [(0.235, -0.03), (0.205, 0.06), (0.13, 0.15), (0.045, 0.19), (0.028, 0.25)], 40
+    )
+    bowl = Shape(paint["socket"]).lathe(
+        [(0.0, 0.012), (LAMP_RADIUS + 0.004, 0.012), (0.05, 0.12), (0.0, 0.13)], 24
+    )
     cord = Shape(paint["dark oak"]).lathe([(0.004, 0.24), (0.004, HEIGHT - LAMP_AT[1])], 6)
-    cord.lathe([(0.0, HEIGHT - LAMP_AT[1] - 0.03), (0.05, HEIGHT - LAMP_AT[1] - 0.03),
-                (0.05, HEIGHT - LAMP_AT[1] + 0.01)], 16)
+    cord.lathe(
+        [
+            (0.0, HEIGHT - LAMP_AT[1] - 0.03),
+            (0.05, HEIGHT - LAMP_AT[1] - 0.03),
+            (0.05, HEIGHT - LAMP_AT[1] + 0.01),
+        ],
+        16,
+    )
     move = placed(*LAMP_AT)
     builder.mesh("lamp", *(Shape(part.material).join(part, move) for part in (shade, bowl, cord)))
 
 
 def plant(builder, paint):
     pot = Shape(paint["terracotta"]).lathe(
-        [(0.0, 0.0), (0.13, 0.0), (0.17, 0.28), (0.185, 0.28), (0.185, 0.33), (0.165, 0.33), (0.155, 0.29),
-         (0.0, 0.28)], 28)
+        [
+            (0.0, 0.0),
+            (0.13, 0.0),
+            (0.17, 0.28),
+            (0.185, 0.28),
+            (0.185, 0.33),
+            (0.165, 0.33),
+            (0.155, 0.29),
+            (0.0, 0.28),
+        ],
+        28,
+    )
     rng = random.Random(21)
     twigs, leaves = Shape(paint["dark oak"]), Shape(paint["leaf"])
     for _ in range(16):
@@ -389,15 +510,22 @@ def plant(builder, paint):
         stalk(twigs, foot, tip, 0.006)
         for k in range(7):
             t = 0.4 + 0.6 * k / 6.0
-            leaf(leaves, add(foot, scale(add(tip, scale(foot, -1.0)), t)), turn + rng.uniform(-1.6, 1.6),
-                 rng.uniform(-0.5, 0.7), rng.uniform(0.16, 0.24))
+            leaf(
+                leaves,
+                add(foot, scale(add(tip, scale(foot, -1.0)), t)),
+                turn + rng.uniform(-1.6, 1.6),
+                rng.uniform(-0.5, 0.7),
+                rng.uniform(0.16, 0.24),
+            )
     move = placed(2.15, 0.0, -2.2)
     builder.mesh("plant", *(Shape(part.material).join(part, move) for part in (pot, twigs, leaves)))
 
 
 def garden(builder, paint):
     ground = Shape(paint["grass"])
-    ground.face([(-60.0, -0.4, 60.0), (60.0, -0.4, 60.0), (60.0, -0.4, -60.0), (-60.0, -0.4, -60.0)])
+    ground.face(
+        [(-60.0, -0.4, 60.0), (60.0, -0.4, 60.0), (60.0, -0.4, -60.0), (-60.0, -0.4, -60.0)]
+    )
     builder.mesh("ground", ground)
     rng = random.Random(7)
     trees = Shape(paint["tree"])
@@ -405,8 +533,18 @@ def garden(builder, paint):
     for _ in range(14):
         x, z = rng.uniform(-26.0, -13.0), rng.uniform(-24.0, 9.0)
         size = rng.uniform(1.1, 1.75)
-        trees.join(blob(paint["tree"], (x, 0.8 * size - 0.4, z), (size, 1.1 * size, size), lambda p, x=x, z=z: (
-            1.0 + 0.22 * math.sin(5.0 * p[0] + z) * math.sin(6.0 * p[1] + x) + rng.uniform(-0.07, 0.07))))
+        trees.join(
+            blob(
+                paint["tree"],
+                (x, 0.8 * size - 0.4, z),
+                (size, 1.1 * size, size),
+                lambda p, x=x, z=z: (
+                    1.0
+                    + 0.22 * math.sin(5.0 * p[0] + z) * math.sin(6.0 * p[1] + x)
+                    + rng.uniform(-0.07, 0.07)
+                ),
+            )
+        )
     builder.mesh("trees", trees)
 
 
@@ -414,16 +552,31 @@ def sidecar():
     circle = [2.0 * math.pi * k / 16 for k in range(16)]
     x, y, z = LAMP_AT
     # Counter-clockwise seen from below, the side it shines to.
-    disc = [[round(x + LAMP_RADIUS * math.cos(a), 6), y, round(z + LAMP_RADIUS * math.sin(a), 6)] for a in circle]
+    disc = [
+        [round(x + LAMP_RADIUS * math.cos(a), 6), y, round(z + LAMP_RADIUS * math.sin(a), 6)]
+        for a in circle
+    ]
     margin = 0.2  # into the walls
     return {
-        "media": [{
-            "name": "haze", **HAZE,
-            "boundary": {"box": {"min": [-HALF_X - margin, -margin, -HALF_Z - margin],
-                                 "max": [HALF_X + margin, HEIGHT + margin, HALF_Z + margin]}},
-        }],
+        "media": [
+            {
+                "name": "haze",
+                **HAZE,
+                "boundary": {
+                    "box": {
+                        "min": [-HALF_X - margin, -margin, -HALF_Z - margin],
+                        "max": [HALF_X + margin, HEIGHT + margin, HALF_Z + margin],
+                    }
+                },
+            }
+        ],
         "lights": [
-            {"name": "sun", "type": "collimated", "direction": SUN_TRAVELS, "irradiance": SUN_IRRADIANCE},
+            {
+                "name": "sun",
+                "type": "collimated",
+                "direction": SUN_TRAVELS,
+                "irradiance": SUN_IRRADIANCE,
+            },
             {"name": "lamp", "type": "polygon", "vertices": disc, "radiance": LAMP_RADIANCE},
             {"name": "sky", "type": "environment", "radiance": SKY_RADIANCE},
         ],
@@ -447,18 +600,31 @@ def materials(builder):
         "terracotta": builder.material("terracotta", (0.48, 0.19, 0.10), specular=0.0),
         "sofa": builder.material("sofa", (0.16, 0.24, 0.27), specular=0.0),
         "cushion": builder.material("cushion", (0.60, 0.26, 0.06), specular=0.0),
-        "rug": builder.material("rug", (1.0, 1.0, 1.0), specular=0.0, texture=builder.texture("rug.png")),
-        "painting": builder.material("painting", (1.0, 1.0, 1.0), specular=0.0,
-                                     texture=builder.texture("painting.png")),
-        "shade": builder.material("lampshade", (0.10, 0.20, 0.16), roughness=0.5, double_sided=True),
+        "rug": builder.material(
+            "rug", (1.0, 1.0, 1.0), specular=0.0, texture=builder.texture("rug.png")
+        ),
+        "painting": builder.material(
+            "painting", (1.0, 1.0, 1.0), specular=0.0, texture=builder.texture("painting.png")
+        ),
+        "shade": builder.material(
+            "lampshade", (0.10, 0.20, 0.16), roughness=0.5, double_sided=True
+        ),
         "socket": builder.material("socket", (0.75, 0.72, 0.66), specular=0.0),
         "orange": builder.material("orange", (0.75, 0.28, 0.03), roughness=0.5),
         "apple": builder.material("apple", (0.50, 0.05, 0.03), roughness=0.35),
         "grass": builder.material("grass", (0.16, 0.20, 0.08), specular=0.0),
         "tree": builder.material("tree", (0.06, 0.12, 0.03), specular=0.0),
     }
-    for k, color in enumerate(((0.35, 0.07, 0.05), (0.06, 0.14, 0.25), (0.10, 0.22, 0.12), (0.55, 0.42, 0.22),
-                               (0.62, 0.57, 0.48), (0.12, 0.10, 0.10))):
+    for k, color in enumerate(
+        (
+            (0.35, 0.07, 0.05),
+            (0.06, 0.14, 0.25),
+            (0.10, 0.22, 0.12),
+            (0.55, 0.42, 0.22),
+            (0.62, 0.57, 0.48),
+            (0.12, 0.10, 0.10),
+        )
+    ):
         paint["book %d" % k] = builder.material("book %d" % k, color, roughness=0.7)
     return paint
 
@@ -469,7 +635,21 @@ def main():
     write_painting(os.path.join(FOLDER, "painting.png"))
     builder = Builder("sunroom")
     paint = materials(builder)
-    for part in (walls, windows, curtains, table, chairs, on_table, sofa, bookcase, pictures, rug, lamp, plant, garden):
+    for part in (
+        walls,
+        windows,
+        curtains,
+        table,
+        chairs,
+        on_table,
+        sofa,
+        bookcase,
+        pictures,
+        rug,
+        lamp,
+        plant,
+        garden,
+    ):
         part(builder, paint)
     builder.camera("camera", (2.95, 1.42, 1.0), (-1.5, 1.12, -0.85), math.radians(48.0), 16.0 / 9.0)
     builder.write(FOLDER, "sunroom")

@@ -5,6 +5,7 @@
 #include "image/film.h"
 
 enum { MAGIC_SIZE = 8, MAX_NODES = 4096, MAX_ATTRIBUTES = 4096, MAX_TEXT = 1 << 20 };
+enum { MAX_ATTRIBUTE_NAME = 255 }; /* what an image takes */
 
 static const char magic[MAGIC_SIZE] = {'A', 'I', 'R', 'F', 'I', 'L', 'M', '1'};
 
@@ -113,6 +114,16 @@ static air_status take(byte_reader *reader, void *out, size_t size, const char *
     return AIR_OK;
 }
 
+static bool has_slot(const air_film_layout *layout, const char *name)
+{
+    for (uint32_t i = 0; i < layout->slot_count; i++) {
+        if (strcmp(layout->slots[i].name, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static air_status take_slots(byte_reader *reader, uint32_t count, air_film_layout *layout)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -130,6 +141,9 @@ static air_status take_slots(byte_reader *reader, uint32_t count, air_film_layou
                                                     : components == 3);
         if (!fits || name[AIR_FILM_NAME - 1] != '\0' || name[0] == '\0') {
             return broken(reader, "a slot of a known kind, number of components and name");
+        }
+        if (has_slot(layout, name)) {
+            return broken(reader, "a slot of another name than those before");
         }
         air_film_layout_add(layout, (air_slot_kind)kind, name, components);
     }
@@ -156,6 +170,9 @@ static air_status take_attribute(byte_reader *reader, air_film *film)
 {
     char *name = NULL, *value = NULL;
     air_status status = take_text(reader, &name);
+    if (status == AIR_OK && (name[0] == '\0' || strlen(name) > MAX_ATTRIBUTE_NAME)) {
+        status = broken(reader, "an attribute's name of 1 to 255 bytes");
+    }
     status = status == AIR_OK ? take_text(reader, &value) : status;
     status = status == AIR_OK ? air_film_set_attribute(film, name, value) : status;
     air_free(reader->context, name);

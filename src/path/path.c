@@ -45,6 +45,13 @@ void air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol
     path->hittable_lights = path->emissive_media || any_emission(snapshot);
 }
 
+/* A stream for one purpose of the ray under way. The camera's ray has one of its own: a tracked ray
+ * that leaves the surface must not repeat the numbers that let the camera's ray reach it. */
+static air_rng ray_rng(const air_path_lane *lane, const path_walk *walk, uint32_t purpose)
+{
+    return air_sampler_rng(&lane->sampler, purpose + walk->depth * 2 + walk->branch);
+}
+
 /* ---- emitters that a ray meets ---- */
 
 /* The share of the direct hit in the combination with next-event estimation. */
@@ -140,7 +147,7 @@ static void add_polygon_lights(const air_path *path, const path_walk *walk, cons
             !emission_term(path, walk, light->owner, AIR_TERM_EMISSION, &term)) {
             continue;
         }
-        air_rng rng = air_sampler_rng(&lane->sampler, 0x30000u + path_direction_set(walk));
+        air_rng rng = ray_rng(lane, walk, 0x30000u);
         const float weight =
             hit_weight(path, walk, entry, air_light_hit_pdf(lights, entry, dir, hits[i].t));
         const air_vec3 transmittance = air_track_transmittance(media, hits[i].t, &rng);
@@ -160,7 +167,7 @@ static void add_media_emission(const air_path *path, const path_walk *walk,
     for (size_t i = 0; i < media->count; i++) {
         varying = varying || media->segments[i].exponential;
     }
-    air_rng rng = air_sampler_rng(&lane->sampler, 0x40000u + path_direction_set(walk));
+    air_rng rng = ray_rng(lane, walk, 0x40000u);
     const air_vec3 radiance =
         varying ? air_track_emission(media, &rng) : air_ray_media_emission(media);
     add(lane, term, vec3_mul(walk->beta, radiance));
@@ -326,7 +333,7 @@ static void events_closed(const air_path *path, air_path_scratch *scratch, const
 static void events_tracked(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
                            const air_ray *ray, bool met, float t, const air_path_lane *lane)
 {
-    air_rng rng = air_sampler_rng(&lane->sampler, 0x20000u + path_direction_set(walk));
+    air_rng rng = ray_rng(lane, walk, 0x20000u);
     const air_collision collision = air_track_collision(&scratch->media, walk->beta, &rng);
     if (collision.happened) {
         scatter_tracked(path, scratch, walk, &collision, lane);
@@ -344,7 +351,7 @@ static air_vec3 end_transmittance(const air_ray_media *media, bool emission_at_e
     if (!emission_at_end) {
         return vec3_set1(0.0f);
     }
-    air_rng rng = air_sampler_rng(&lane->sampler, 0x50000u + path_direction_set(walk));
+    air_rng rng = ray_rng(lane, walk, 0x50000u);
     return air_track_transmittance(media, tmax, &rng);
 }
 

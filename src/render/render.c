@@ -100,6 +100,29 @@ static air_status check(air_context *context, const air_snapshot *snapshot,
     return AIR_OK;
 }
 
+/* Light from infinity through fog without end is light of optical depth infinity: the picture is black, and who asked for it
+ * should know why. */
+static void warn_of_endless_fog(air_context *context, const air_snapshot *snapshot)
+{
+    const air_region *endless = NULL;
+    for (size_t r = 0; r < snapshot->media.region_count; r++) {
+        const air_region *region = &snapshot->media.regions[r];
+        if (region->kind == AIR_REGION_EVERYWHERE && region->constant &&
+            vec3_max(region->sigma_t) > 0.0f) {
+            endless = region;
+        }
+    }
+    for (size_t i = 0; endless != NULL && i < snapshot->lights.explicit_count; i++) {
+        const air_light *light = &snapshot->lights.entries[i];
+        if (light->kind == AIR_LIGHT_COLLIMATED || light->kind == AIR_LIGHT_ENVIRONMENT) {
+            air_warn(context,
+                     "medium \"%s\" has no end, so nothing of light \"%s\" arrives from infinity: give "
+                     "the medium a boundary",
+                     snapshot->media.media[endless->medium].name, light->name);
+        }
+    }
+}
+
 /* ---- passes ---- */
 
 /* The next pass: the largest run that doubles at most what is there, so that an interruption loses
@@ -154,6 +177,7 @@ air_status air_render(air_context *context, const air_snapshot *snapshot,
     if (status != AIR_OK) {
         return status;
     }
+    warn_of_endless_fog(context, snapshot);
     status = air_picture_init(&picture, context, snapshot, params);
     if (status == AIR_OK) {
         status = air_picture_film(&picture, &film);

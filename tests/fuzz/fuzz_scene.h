@@ -1,61 +1,10 @@
-/* fuzz_scene.h: what the harnesses of the scene loader share: files in memory, a bound on memory,
- * no rays. */
+/* fuzz_scene.h: what the harnesses of the scene loader share: no rays, and what is done with a
+ * scene. */
 #ifndef AIR_TESTS_FUZZ_SCENE_H
 #define AIR_TESTS_FUZZ_SCENE_H
 
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "airlight/scene.h"
-
-/* One allocation may have this much: enough for the files of a corpus, and no reason to run out of
- * memory. */
-enum { FUZZ_MAX_ALLOCATION = 1 << 26, FUZZ_MAX_FILES = 5 };
-
-typedef struct fuzz_file {
-    const char *ending; /* of the paths that give this file */
-    const void *data;
-    size_t size;
-} fuzz_file;
-
-typedef struct fuzz_files {
-    fuzz_file files[FUZZ_MAX_FILES];
-    size_t count;
-} fuzz_files;
-
-static inline void *fuzz_reallocate(void *user, void *pointer, size_t size)
-{
-    (void)user;
-    if (size == 0) {
-        free(pointer);
-        return NULL;
-    }
-    return size <= FUZZ_MAX_ALLOCATION ? realloc(pointer, size) : NULL;
-}
-
-static inline air_status fuzz_read(void *user, air_context *context, const char *path,
-                                   void **out_data, size_t *out_size)
-{
-    const fuzz_files *self = user;
-    const size_t length = strlen(path);
-    (void)context;
-    for (size_t i = 0; i < self->count; ++i) {
-        const fuzz_file *file = &self->files[i];
-        const size_t ending = strlen(file->ending);
-        if (length < ending || strcmp(path + length - ending, file->ending) != 0)
-            continue;
-        void *copy = malloc(file->size + 1);
-        if (copy == NULL)
-            return AIR_ERROR_MEMORY;
-        if (file->size > 0)
-            memcpy(copy, file->data, file->size);
-        *out_data = copy;
-        *out_size = file->size;
-        return AIR_OK;
-    }
-    return AIR_ERROR_IO;
-}
+#include "fuzz_host.h"
 
 /* ---- a ray backend that knows no rays: Embree is not what is tried here ---- */
 
@@ -111,23 +60,13 @@ static inline void fuzz_load_scene(fuzz_files *files, const air_load_params *loa
                                      .intersect = fuzz_intersect,
                                      .occluded = fuzz_occluded,
                                      .intersect_all = fuzz_intersect_all};
-    air_context_params params;
-    air_context *context = NULL;
+    air_context *context = fuzz_context(files, &backend);
     air_scene *scene = NULL;
     air_snapshot *snapshot = NULL;
-    air_context_params_default(&params);
-    params.thread_count = 1;
-    params.reallocate = fuzz_reallocate;
-    params.read_file = fuzz_read;
-    params.read_user = files;
-    params.ray_backend = &backend;
-    if (air_context_create(&params, &context) != AIR_OK)
+    if (context == NULL)
         return;
     const air_status status = air_scene_load(context, "input.gltf", load, &scene);
-    /* a failure says what failed */
-    if ((status == AIR_OK) != (scene != NULL) ||
-        (status != AIR_OK && air_context_last_error(context)[0] == '\0'))
-        abort();
+    fuzz_check_outcome(context, status, scene);
     if (scene != NULL)
         (void)air_scene_commit(scene, &snapshot, NULL);
     air_snapshot_release(snapshot);

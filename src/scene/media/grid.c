@@ -122,6 +122,29 @@ static air_status clean_brick(grid_builder *builder, const int32_t base[3], floa
     return AIR_OK;
 }
 
+/* The same for a brick of which only the first sample is there, as all are alike. */
+static air_status clean_uniform(grid_builder *builder, const int32_t base[3], float *out_max)
+{
+    const air_grid *grid = builder->grid;
+    float max = 0.0f;
+    uint64_t own_count = 1;
+    for (int k = 0; k < 3; k++) {
+        const size_t left = grid->size[k] - (size_t)base[k];
+        own_count *= left < AIR_BRICK ? left : AIR_BRICK;
+    }
+    for (size_t c = 0; c < grid->channels; c++) {
+        const float value = builder->samples[c];
+        if (!isfinite(value)) {
+            return fail_not_finite(builder, base, c, value);
+        }
+        builder->negative_count += value < 0.0f ? own_count : 0;
+        builder->samples[c] = value > 0.0f ? value : 0.0f;
+        max = value > max ? value : max;
+    }
+    *out_max = max;
+    return AIR_OK;
+}
+
 /* Are all values equal to those of the last uniform brick? Then it serves again: large tiles of one
  * value take no memory. */
 static bool repeats_uniform(const grid_builder *builder, bool uniform)
@@ -141,11 +164,10 @@ static bool is_uniform(const grid_builder *builder)
                   (AIR_BRICK_SAMPLES - 1) * channels * sizeof(float)) == 0;
 }
 
-/* Stores the samples as a brick; *out_slot is 1 + its index. */
-static air_status store_brick(grid_builder *builder, uint32_t *out_slot)
+/* Stores the samples (uniform: the first one) as a brick; *out_slot is 1 + its index. */
+static air_status store_brick(grid_builder *builder, bool uniform, uint32_t *out_slot)
 {
     air_grid *grid = builder->grid;
-    const bool uniform = is_uniform(builder);
     if (repeats_uniform(builder, uniform)) {
         *out_slot = (uint32_t)builder->uniform_brick;
         return AIR_OK;
@@ -155,6 +177,9 @@ static air_status store_brick(grid_builder *builder, uint32_t *out_slot)
         return status;
     }
     const size_t values = AIR_BRICK_SAMPLES * grid->channels;
+    for (size_t i = grid->channels; uniform && i < values; i++) {
+        builder->samples[i] = builder->samples[i - grid->channels];
+    }
     memcpy(grid->bricks + grid->brick_count * values, builder->samples, values * sizeof(float));
     grid->brick_count++;
     builder->uniform_brick = uniform ? grid->brick_count : builder->uniform_brick;
@@ -166,16 +191,20 @@ static air_status add_brick(grid_builder *builder, int32_t x, int32_t y, int32_t
 {
     air_grid *grid = builder->grid;
     const int32_t base[3] = {x * AIR_BRICK, y * AIR_BRICK, z * AIR_BRICK};
-    if (!builder->source->read_brick(builder->source->user, base, builder->samples)) {
+    const air_brick_kind kind =
+        builder->source->read_brick(builder->source->user, base, builder->samples);
+    if (kind == AIR_BRICK_EMPTY) {
         return AIR_OK;
     }
     float max = 0.0f;
-    air_status status = clean_brick(builder, base, &max);
+    air_status status = kind == AIR_BRICK_UNIFORM ? clean_uniform(builder, base, &max)
+                                                  : clean_brick(builder, base, &max);
     if (status != AIR_OK || max == 0.0f) {
         return status;
     }
     const size_t cell = air_grid_cell(grid, (uint32_t)x, (uint32_t)y, (uint32_t)z);
-    status = store_brick(builder, &grid->slots[cell]);
+    const bool uniform = kind == AIR_BRICK_UNIFORM || is_uniform(builder);
+    status = store_brick(builder, uniform, &grid->slots[cell]);
     if (status != AIR_OK) {
         return status;
     }
@@ -279,7 +308,7 @@ typedef struct dense_values {
 } dense_values;
 
 /* Beyond the last sample its value is repeated; lookups give it weight 0 there. */
-static bool read_dense(void *user, const int32_t base[3], float *out)
+static air_brick_kind read_dense(void *user, const int32_t base[3], float *out)
 {
     const dense_values *dense = user;
     const size_t *size = dense->source->size;
@@ -296,7 +325,7 @@ static bool read_dense(void *user, const int32_t base[3], float *out)
             }
         }
     }
-    return true;
+    return AIR_BRICK_VARIED;
 }
 
 air_status air_grid_make_dense(air_context *context, const air_grid_source *source,

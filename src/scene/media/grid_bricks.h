@@ -31,6 +31,13 @@ static inline size_t air_grid_cell(const air_grid *grid, uint32_t x, uint32_t y,
     return ((size_t)z * (uint32_t)grid->cells[1] + y) * (uint32_t)grid->cells[0] + x;
 }
 
+/* What a source says of a brick: all samples are zero; all are alike; they differ. */
+typedef enum air_brick_kind {
+    AIR_BRICK_EMPTY = 0,
+    AIR_BRICK_UNIFORM = 1,
+    AIR_BRICK_VARIED = 2
+} air_brick_kind;
+
 /* Where the values of a new grid come from. */
 typedef struct air_grid_source {
     const char *what; /* for messages: the file or the name */
@@ -40,8 +47,10 @@ typedef struct air_grid_source {
     int64_t origin[3]; /* added to sample indices where messages name a voxel */
     void *user;
     /* Writes the AIR_BRICK_SAMPLES * channels values from sample `base` on; what lies beyond the
-     * grid may be anything finite. False: they are all zero, out is untouched. */
-    bool (*read_brick)(void *user, const int32_t base[3], float *out);
+     * grid may be anything finite. EMPTY: out is untouched. UNIFORM: only the first sample is
+     * written, so that a small file's large tiles take little time; saying VARIED of equal samples
+     * is legal. */
+    air_brick_kind (*read_brick)(void *user, const int32_t base[3], float *out);
 } air_grid_source;
 
 /* Builds the grid. Errors: a size of 0 or too large, a map that cannot be inverted, a value that is

@@ -153,15 +153,19 @@ static void visit_lower(nvdb_tree *tree, pnanovdb_lower_handle_t lower, const in
         return;
     }
     for (uint32_t n = 0; n < PNANOVDB_LOWER_TABLE_COUNT && !tree->misplaced; n++) {
+        const bool child = pnanovdb_lower_get_child_mask(tree->buf, lower, n);
         int64_t cell[3];
+        if (!child && !pnanovdb_lower_get_value_mask(tree->buf, lower, n)) {
+            continue;
+        }
         entry_cell(node_cell, n, 4, LEAF_CELLS, cell);
-        if (pnanovdb_lower_get_child_mask(tree->buf, lower, n)) {
+        if (child) {
             const pnanovdb_leaf_handle_t leaf =
                 pnanovdb_lower_get_child(tree->type, tree->buf, lower, n);
             if (enter_leaf(tree, leaf)) {
                 visit(tree, cell, LEAF_CELLS, leaf.address.byte_offset | SOURCE_IS_LEAF);
             }
-        } else if (pnanovdb_lower_get_value_mask(tree->buf, lower, n)) {
+        } else {
             visit(tree, cell, LEAF_CELLS,
                   pnanovdb_lower_get_table_address(tree->type, tree->buf, lower, n).byte_offset);
         }
@@ -176,12 +180,16 @@ static void visit_upper(nvdb_tree *tree, pnanovdb_upper_handle_t upper, const in
         return;
     }
     for (uint32_t n = 0; n < PNANOVDB_UPPER_TABLE_COUNT && !tree->misplaced; n++) {
+        const bool child = pnanovdb_upper_get_child_mask(tree->buf, upper, n);
         int64_t cell[3];
+        if (!child && !pnanovdb_upper_get_value_mask(tree->buf, upper, n)) {
+            continue;
+        }
         entry_cell(node_cell, n, 5, LOWER_CELLS, cell);
-        if (pnanovdb_upper_get_child_mask(tree->buf, upper, n)) {
+        if (child) {
             visit_lower(tree, pnanovdb_upper_get_child(tree->type, tree->buf, upper, n), cell,
                         visit);
-        } else if (pnanovdb_upper_get_value_mask(tree->buf, upper, n)) {
+        } else {
             visit(tree, cell, LOWER_CELLS,
                   pnanovdb_upper_get_table_address(tree->type, tree->buf, upper, n).byte_offset);
         }
@@ -263,6 +271,12 @@ typedef struct nvdb_bricks {
     int64_t first[3];
 } nvdb_bricks;
 
+/* One value of a cell whose source is not a leaf. */
+static float read_tile(const nvdb_tree *tree, uint64_t source, size_t channel)
+{
+    return source == 0 ? tree->background[channel] : read_value(tree, source, channel);
+}
+
 /* Writes the samples of a brick that come from one cell: all 8 per axis, or with `next` the first
  * only. */
 static void read_cell(const nvdb_tree *tree, uint64_t source, const int next[3], float *out)
@@ -280,36 +294,41 @@ static void read_cell(const nvdb_tree *tree, uint64_t source, const int next[3],
                     out + (size_t)((z * AIR_BRICK_SIDE + y) * AIR_BRICK_SIDE + x) * tree->channels;
                 const pnanovdb_coord_t ijk = {x % AIR_BRICK, y % AIR_BRICK, z % AIR_BRICK};
                 for (size_t c = 0; c < tree->channels; c++) {
-                    value[c] = source == 0               ? tree->background[c]
-                               : source & SOURCE_IS_LEAF ? read_leaf(tree, leaf, ijk, c)
-                                                         : read_value(tree, source, c);
+                    value[c] = source & SOURCE_IS_LEAF ? read_leaf(tree, leaf, ijk, c)
+                                                       : read_tile(tree, source, c);
                 }
             }
         }
     }
 }
 
-static bool read_nvdb_brick(void *user, const int32_t base[3], float *out)
+static air_brick_kind read_nvdb_brick(void *user, const int32_t base[3], float *out)
 {
     const nvdb_bricks *bricks = user;
     const nvdb_tree *tree = bricks->tree;
     uint64_t sources[8];
-    uint64_t any = 0;
+    bool same = true;
     for (int n = 0; n < 8; n++) {
         const uint64_t *source = cell_source(tree, bricks->first[0] + base[0] / AIR_BRICK + (n & 1),
                                              bricks->first[1] + base[1] / AIR_BRICK + (n >> 1 & 1),
                                              bricks->first[2] + base[2] / AIR_BRICK + (n >> 2));
         sources[n] = source != NULL ? *source : 0;
-        any |= sources[n];
+        same = same && sources[n] == sources[0];
     }
-    if (any == 0 && background_is_zero(tree)) {
-        return false;
+    if (same && sources[0] == 0 && background_is_zero(tree)) {
+        return AIR_BRICK_EMPTY;
+    }
+    if (same && !(sources[0] & SOURCE_IS_LEAF)) {
+        for (size_t c = 0; c < tree->channels; c++) {
+            out[c] = read_tile(tree, sources[0], c);
+        }
+        return AIR_BRICK_UNIFORM;
     }
     for (int n = 0; n < 8; n++) {
         const int next[3] = {n & 1, n >> 1 & 1, n >> 2};
         read_cell(tree, sources[n], next, out);
     }
-    return true;
+    return AIR_BRICK_VARIED;
 }
 
 /* The map of the grid file, moved to the first sample. */

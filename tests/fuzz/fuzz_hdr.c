@@ -1,0 +1,14 @@
+/* fuzz_hdr.c: any bytes as a Radiance HDR: no crash, no leak, an image or an error. */
+#include "fuzz_image.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    fuzz_files files = {.files = {{"", data, size}}, .count = 1};
+    air_context *context = fuzz_context(&files, NULL);
+    if (context != NULL)
+        fuzz_load_image(context, "input.hdr");
+    air_context_destroy(context);
+    return 0;
+}
