@@ -84,22 +84,23 @@ static bool hittable(const air_light_table *lights, uint32_t entry)
             (light->camera_visible || entry >= lights->explicit_count));
 }
 
-/* Multiplies value by the transmittance towards the light, in closed form if possible; says whether
- * it was. */
+/* Multiplies value by the transmittance towards the light, in closed form if possible; says whether it was. */
 static bool attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
                       air_vec3 *value)
 {
-    if (path->snapshot->media.region_count == 0) {
+    const air_media *media = &path->snapshot->media;
+    const air_vec3 origin = vec3_load(ray->origin), dir = vec3_load(ray->dir);
+    if (media->all_constant) {
+        if (media->region_count > 0) {
+            *value = vec3_mul(*value, air_constant_transmittance(media, origin, dir, ray->tmax));
+        }
         return true;
     }
-    air_ray_media *media = &scratch->media;
-    air_ray_media_make(media, &path->snapshot->media, vec3_load(ray->origin), vec3_load(ray->dir),
-                       ray->tmax);
-    if (!media->closed) {
-        return false;
+    air_ray_media_make(&scratch->media, media, origin, dir, ray->tmax);
+    if (scratch->media.closed) {
+        *value = vec3_mul(*value, scratch->media.transmittance);
     }
-    *value = vec3_mul(*value, media->transmittance);
-    return true;
+    return scratch->media.closed;
 }
 
 static air_ray shadow_ray(const path_vertex *vertex, const air_connection *connection,

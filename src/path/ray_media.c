@@ -87,6 +87,24 @@ void air_ray_media_make(air_ray_media *ray, const air_media *media, air_vec3 ori
     }
 }
 
+air_vec3 air_constant_transmittance(const air_media *media, air_vec3 origin, air_vec3 dir,
+                                    float tmax)
+{
+    air_segment found[AIR_MAX_SEGMENTS];
+    const size_t count = air_media_segments(media, origin, dir, float_min(tmax, AIR_FAR), found);
+    air_vec3 depth = vec3_set1(0.0f);
+    for (size_t i = 0; i < count; i++) {
+        for (uint64_t rest = found[i].regions; rest != 0; rest &= rest - 1) {
+            const air_region *region = &media->regions[__builtin_ctzll(rest)];
+            depth = vec3_madd(depth, found[i].t1 - found[i].t0, region->sigma_t);
+        }
+    }
+    if (depth.x == depth.y && depth.x == depth.z) {
+        return vec3_set1(air_exp(-depth.x));
+    }
+    return vec3(air_exp(-depth.x), air_exp(-depth.y), air_exp(-depth.z));
+}
+
 size_t air_ray_media_find(const air_ray_media *ray, float t)
 {
     for (size_t i = 0; i < ray->count; i++) {

@@ -37,6 +37,10 @@ typedef struct air_ray_media {
 void air_ray_media_make(air_ray_media *ray, const air_media *media, air_vec3 origin, air_vec3 dir,
                         float tmax);
 
+/* Transmittance over a whole ray through media of constant density (media->all_constant), without laying it out. */
+air_vec3 air_constant_transmittance(const air_media *media, air_vec3 origin, air_vec3 dir,
+                                    float tmax);
+
 /* Optical depth per channel from the origin to t, t >= 0; the ray must be closed. */
 air_vec3 air_ray_media_depth(const air_ray_media *ray, float t);
 
