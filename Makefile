@@ -28,7 +28,7 @@ build:
 
 demo: setup
 	@$(MAKE) --no-print-directory build
-	$(BUILD)/airlight render scenes/sunroom/sunroom.gltf -o demo.exr -o demo.png
+	$(BUILD)/airlight render scenes/sunroom/sunroom.gltf --width 800 --spp 64 -o demo.exr -o demo.png
 	@echo "The picture: $(CURDIR)/demo.png (to look at), $(CURDIR)/demo.exr (linear light)"
 
 test: setup
