@@ -148,8 +148,7 @@ enum { PATH_REPLICATES = 32 };
 static inline probe_result measure_radiance(const air_snapshot *snapshot, air_vec3 origin,
                                             air_vec3 dir, uint32_t max_depth, uint32_t samples)
 {
-    const probe p = {origin,  &dir,   max_depth, AIR_TERMS_ALL, PATH_REPLICATES,
-                     samples, origin};
+    const probe p = {origin, &dir, max_depth, AIR_TERMS_ALL, PATH_REPLICATES, samples, origin};
     return probe_run(snapshot, &p);
 }
 

@@ -5,6 +5,7 @@
 #include "core/random.h"
 #include "memory_files.h"
 #include "scene/media/grid.h"
+#include "scene/media/grid_bricks.h"
 
 typedef struct dense_grid {
     size_t size[3], channels;
@@ -258,6 +259,49 @@ static void test_negative_values_are_clamped_and_counted_once(void **state)
     air_grid_destroy(grid);
 }
 
+static air_brick_kind give_one_sample(void *user, const int32_t base[3], float *out)
+{
+    (void)base;
+    memcpy(out, user, 3 * sizeof *out);
+    return AIR_BRICK_UNIFORM;
+}
+
+static void test_one_sample_for_a_uniform_brick_gives_what_all_samples_give(void **state)
+{
+    memory_file *files = *state;
+    float sample[3] = {2.0f, -1.0f, 3.0f};
+    float values[17 * 9 * 9 * 3];
+    for (size_t i = 0; i < 17 * 9 * 9 * 3; i++) {
+        values[i] = sample[i % 3];
+    }
+    dense_grid dense = {{17, 9, 9}, 3, values};
+    air_grid_source source = {.what = "test",
+                              .size = {17, 9, 9},
+                              .channels = 3,
+                              .user = sample,
+                              .read_brick = give_one_sample};
+    memcpy(source.index_to_local, identity, sizeof identity);
+    air_grid *one = NULL, *all = make_grid(files, &dense);
+    assert_non_null(strstr(files->warning, "1377 negative values"));
+    files->warning[0] = '\0';
+    assert_int_equal(air_grid_make(files->context, &source, &one), AIR_OK);
+    assert_non_null(strstr(files->warning, "1377 negative values"));
+    assert_int_equal(air_grid_bytes(one), air_grid_bytes(all));
+    assert_true(air_grid_max(one) == air_grid_max(all));
+    for (float x = -1.0f; x < 18.0f; x += 0.7f) {
+        const air_vec3 a = air_grid_lookup(one, vec3(x, 8.2f, 0.4f));
+        const air_vec3 b = air_grid_lookup(all, vec3(x, 8.2f, 0.4f));
+        assert_true(a.x == b.x && a.y == b.y && a.z == b.z);
+    }
+    air_grid_destroy(all);
+    air_grid_destroy(one);
+    sample[1] = NAN;
+    one = NULL;
+    assert_int_equal(air_grid_make(files->context, &source, &one), AIR_ERROR_FORMAT);
+    assert_null(one);
+    memory_file_expect(files, "voxel (0, 0, 0) channel 1 is nan");
+}
+
 static void expect_refused(memory_file *files, const air_grid_desc *desc, air_status status,
                            const char *part)
 {
@@ -333,6 +377,8 @@ int main(void)
                                         tear_down),
         cmocka_unit_test_setup_teardown(test_negative_values_are_clamped_and_counted_once, set_up,
                                         tear_down),
+        cmocka_unit_test_setup_teardown(
+            test_one_sample_for_a_uniform_brick_gives_what_all_samples_give, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_what_cannot_be_a_grid_is_refused_with_the_reason,
                                         set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_allocation_failure_leaves_nothing_behind, set_up,

@@ -1,59 +1,20 @@
 /* The white furnace: in a constant environment of radiance 1, media of albedo 1 are invisible,
  * whatever they are. */
-#include "path_probe.h"
-
 #include "core/random.h"
-
-static air_context *context;
-
-static int set_up(void **state)
-{
-    (void)state;
-    return air_context_create(NULL, &context) == AIR_OK ? 0 : -1;
-}
-
-static int tear_down(void **state)
-{
-    (void)state;
-    air_context_destroy(context);
-    return 0;
-}
-
-static void set3(float out[3], float r, float g, float b)
-{
-    out[0] = r;
-    out[1] = g;
-    out[2] = b;
-}
+#include "path_scene.h"
 
 static air_medium_desc white_box(float r, float g, float b)
 {
-    air_medium_desc medium;
-    air_medium_desc_default(&medium);
+    air_medium_desc medium = medium_in_box(vec3_set1(0.0f), vec3_set1(1.0f));
     set3(medium.sigma_s, r, g, b);
-    medium.boundary.kind = AIR_BOUNDARY_BOX;
-    const float box[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-    memcpy(medium.boundary.box_to_world, box, sizeof box);
     return medium;
 }
 
-static air_scene *furnace(void)
+static air_scene *furnace(void **state)
 {
-    air_scene *scene;
-    air_light_desc light;
-    air_handle handle;
-    air_light_desc_default(&light);
-    light.kind = AIR_LIGHT_ENVIRONMENT;
-    set3(light.color, 1.0f, 1.0f, 1.0f);
-    assert_int_equal(air_scene_create(context, &scene), AIR_OK);
-    assert_int_equal(air_scene_add_light(scene, &light, &handle), AIR_OK);
+    air_scene *scene = path_scene(state);
+    add_environment(scene, 1.0f, 1.0f, 1.0f);
     return scene;
-}
-
-static void add_medium(air_scene *scene, const air_medium_desc *medium)
-{
-    air_handle handle;
-    assert_int_equal(air_scene_add_medium(scene, medium, &handle), AIR_OK);
 }
 
 /* Radiance 1 from outside and from within, along three rays; standard error at most 0.2 %, within
@@ -64,14 +25,11 @@ static void assert_invisible(air_scene *scene, uint32_t samples)
     static const float rays[3][6] = {{-3, 0.1f, 0.2f, 1, 0, 0},
                                      {2, 2.5f, -3, -0.5f, -0.6f, 0.62f},
                                      {0.2f, -0.3f, 0.1f, 0.3f, 0.8f, -0.2f}};
-    air_snapshot *snapshot;
-    assert_int_equal(air_scene_commit(scene, &snapshot, NULL), AIR_OK);
-    air_scene_destroy(scene);
+    air_snapshot *snapshot = path_freeze(scene);
     for (int i = 0; i < 3; i++) {
-        const air_vec3 dir = vec3_normalize(vec3(rays[i][3], rays[i][4], rays[i][5]));
-        const probe p = {
-            vec3(rays[i][0], rays[i][1], rays[i][2]), &dir, UINT32_MAX, AIR_TERMS_ALL, 32, samples};
-        const probe_result got = probe_run(snapshot, &p);
+        const air_vec3 dir = vec3_normalize(vec3_load(rays[i] + 3));
+        const probe_result got =
+            measure_radiance(snapshot, vec3_load(rays[i]), dir, UINT32_MAX, samples);
         for (int c = 0; c < 3; c++) {
             if (got.error[c] > 0.002 || fabs(got.mean[c] - 1.0) > 3.0 * got.error[c] + 1e-5) {
                 fail_msg("ray %d channel %d: radiance %g +- %g", i, c, got.mean[c], got.error[c]);
@@ -83,43 +41,39 @@ static void assert_invisible(air_scene *scene, uint32_t samples)
 
 static void a_homogeneous_box_is_invisible(void **state)
 {
-    (void)state;
-    air_scene *scene = furnace();
+    air_scene *scene = furnace(state);
     const air_medium_desc medium = white_box(1.0f, 1.0f, 1.0f);
     add_medium(scene, &medium);
-    assert_invisible(scene, 256);
+    assert_invisible(scene, 512);
 }
 
 static void a_chromatic_forward_box_is_invisible(void **state)
 {
-    (void)state;
-    air_scene *scene = furnace();
+    air_scene *scene = furnace(state);
     air_medium_desc medium = white_box(0.2f, 1.0f, 3.0f);
     medium.phase.kind = AIR_PHASE_HG;
     medium.phase.g = 0.8f;
     add_medium(scene, &medium);
-    assert_invisible(scene, 1024);
+    assert_invisible(scene, 2048);
 }
 
 static void a_rayleigh_convex_body_is_invisible(void **state)
 {
-    (void)state;
     static const float octahedron[8 * 4] = {1,  1, 1, 1, 1,  1, -1, 1, 1,  -1, 1, 1, 1,  -1, -1, 1,
                                             -1, 1, 1, 1, -1, 1, -1, 1, -1, -1, 1, 1, -1, -1, -1, 1};
-    air_scene *scene = furnace();
+    air_scene *scene = furnace(state);
     air_medium_desc medium = white_box(2.0f, 2.0f, 2.0f);
     medium.phase.kind = AIR_PHASE_RAYLEIGH;
     medium.boundary.kind = AIR_BOUNDARY_CONVEX;
     medium.boundary.planes = octahedron;
     medium.boundary.plane_count = 8;
     add_medium(scene, &medium);
-    assert_invisible(scene, 256);
+    assert_invisible(scene, 512);
 }
 
 /* An L of six faces: closed, not convex. */
 static void a_concave_mesh_is_invisible(void **state)
 {
-    (void)state;
     static const float corners[6][2] = {{-1, -1}, {1, -1}, {1, 0}, {0, 0}, {0, 1}, {-1, 1}};
     static const uint32_t cap[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {3, 4, 5}};
     float positions[36];
@@ -138,7 +92,7 @@ static void a_concave_mesh_is_invisible(void **state)
         memcpy(indices + n, ends, sizeof ends);
         n += 6;
     }
-    air_scene *scene = furnace();
+    air_scene *scene = furnace(state);
     air_medium_desc medium = white_box(1.5f, 1.5f, 1.5f);
     medium.boundary.kind = AIR_BOUNDARY_MESH;
     medium.boundary.positions = positions;
@@ -146,13 +100,12 @@ static void a_concave_mesh_is_invisible(void **state)
     medium.boundary.indices = indices;
     medium.boundary.triangle_count = n / 3;
     add_medium(scene, &medium);
-    assert_invisible(scene, 256);
+    assert_invisible(scene, 512);
 }
 
 static void height_fog_is_invisible(void **state)
 {
-    (void)state;
-    air_scene *scene = furnace();
+    air_scene *scene = furnace(state);
     air_medium_desc medium = white_box(2.0f, 1.5f, 1.0f);
     medium.density.kind = AIR_DENSITY_EXPONENTIAL;
     medium.density.base_height = -0.5f;
@@ -163,8 +116,7 @@ static void height_fog_is_invisible(void **state)
 
 static void layered_fog_is_invisible(void **state)
 {
-    (void)state;
-    air_scene *scene = furnace();
+    air_scene *scene = furnace(state);
     air_medium_desc medium = white_box(1.0f, 1.0f, 1.0f);
     medium.density.kind = AIR_DENSITY_LAYERED;
     medium.density.layer_count = 3;
@@ -176,49 +128,39 @@ static void layered_fog_is_invisible(void **state)
     medium.density.layer_density[2] = 1.0f;
     medium.density.layer_top = 0.9f;
     add_medium(scene, &medium);
-    assert_invisible(scene, 256);
+    assert_invisible(scene, 1024);
 }
 
-/* Random values on 12^3 points filling [-1,1]^3, a third of them empty. */
-static air_handle add_grid(air_scene *scene, size_t channels)
+/* Random values that fill [-1,1]^3, a third of them 0. */
+static air_handle add_random_grid(air_scene *scene, size_t channels)
 {
     enum { SIDE = 12 };
-    static float values[SIDE * SIDE * SIDE * 3];
+    float values[SIDE * SIDE * SIDE * 3];
     air_rng rng = air_rng_from_keys(5, (uint32_t)channels);
-    air_handle handle;
-    const float step = 2.0f / SIDE, first = -1.0f + 0.5f * step;
-    air_grid_desc grid = {"random",
-                          {SIDE, SIDE, SIDE},
-                          channels,
-                          values,
-                          {step, 0, 0, first, 0, step, 0, first, 0, 0, step, first}};
     for (size_t i = 0; i < SIDE * SIDE * SIDE * channels; i++) {
         values[i] = fmaxf(0.0f, 3.0f * air_rng_float(&rng) - 1.0f);
     }
-    assert_int_equal(air_scene_add_grid(scene, &grid, &handle), AIR_OK);
-    return handle;
+    return add_box_grid(scene, SIDE, channels, values, vec3_set1(0.0f), vec3_set1(1.0f));
 }
 
 static void a_density_grid_is_invisible(void **state)
 {
-    (void)state;
-    air_scene *scene = furnace();
+    air_scene *scene = furnace(state);
     air_medium_desc medium = white_box(1.0f, 1.0f, 1.0f);
     medium.density.kind = AIR_DENSITY_GRID;
-    medium.density.grid = add_grid(scene, 1);
+    medium.density.grid = add_random_grid(scene, 1);
     medium.phase.kind = AIR_PHASE_HG;
     medium.phase.g = -0.4f;
     add_medium(scene, &medium);
-    assert_invisible(scene, 512);
+    assert_invisible(scene, 16384);
 }
 
 static void a_coloured_grid_with_haze_and_fog_around_it_is_invisible(void **state)
 {
-    (void)state;
-    air_scene *scene = furnace();
+    air_scene *scene = furnace(state);
     air_medium_desc grid = white_box(0.7f, 0.7f, 0.7f), haze = white_box(0.3f, 0.4f, 0.5f);
     grid.density.kind = AIR_DENSITY_GRID;
-    grid.density.grid = add_grid(scene, 3);
+    grid.density.grid = add_random_grid(scene, 3);
     haze.boundary.box_to_world[0] = 2.0f;
     haze.phase.kind = AIR_PHASE_HG;
     haze.phase.g = 0.5f;
@@ -228,13 +170,12 @@ static void a_coloured_grid_with_haze_and_fog_around_it_is_invisible(void **stat
     add_medium(scene, &grid);
     add_medium(scene, &haze);
     add_medium(scene, &fog);
-    assert_invisible(scene, 2048);
+    assert_invisible(scene, 24576);
 }
 
 static void a_replaced_overlap_is_invisible(void **state)
 {
-    (void)state;
-    air_scene *scene = furnace();
+    air_scene *scene = furnace(state);
     air_medium_desc outer = white_box(1.0f, 1.0f, 1.0f), inner = white_box(0.2f, 0.2f, 0.2f);
     for (int i = 0; i < 12; i += 5) {
         inner.boundary.box_to_world[i] = 0.5f;
@@ -243,7 +184,7 @@ static void a_replaced_overlap_is_invisible(void **state)
     inner.priority = 1;
     add_medium(scene, &outer);
     add_medium(scene, &inner);
-    assert_invisible(scene, 256);
+    assert_invisible(scene, 512);
 }
 
 int main(void)
@@ -259,5 +200,5 @@ int main(void)
         cmocka_unit_test(a_coloured_grid_with_haze_and_fog_around_it_is_invisible),
         cmocka_unit_test(a_replaced_overlap_is_invisible),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, path_set_up, path_tear_down);
 }

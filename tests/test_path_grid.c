@@ -8,7 +8,10 @@ enum { SIDE = 4 };
 
 typedef void add_lights(air_scene *scene);
 
-static void a_point_light(air_scene *scene) { add_point_light(scene, vec3(0.3f, 1.6f, 0.2f), 1.0f); }
+static void a_point_light(air_scene *scene)
+{
+    add_point_light(scene, vec3(0.3f, 1.6f, 0.2f), 1.0f);
+}
 
 static void a_polygon_light(air_scene *scene)
 {
@@ -51,7 +54,7 @@ static air_snapshot *fog_box(void **state, add_lights *lights, bool with_floor, 
     return path_freeze(scene);
 }
 
-/* Single scattering to 1 %, all of it to 2 %: the grid's standard error dominates, 4096 samples in
+/* Single scattering to 1 %, all of it to 2 %: the grid's standard error dominates, 8192 samples in
  * each of 32 replicates. */
 static void compare(void **state, add_lights *lights, bool with_floor)
 {
@@ -67,7 +70,7 @@ static void compare(void **state, add_lights *lights, bool with_floor)
             char what[64];
             snprintf(what, sizeof what, "ray %d, depth %u", i, (unsigned)depths[d]);
             const probe_result a = measure_radiance(plain, origin, dir, depths[d], 1024);
-            const probe_result b = measure_radiance(grid, origin, dir, depths[d], 4096);
+            const probe_result b = measure_radiance(grid, origin, dir, depths[d], 8192);
             assert_same_measured(what, &a, &b, d == 0 ? 0.01 : 0.02);
         }
     }

@@ -54,17 +54,28 @@ typedef enum air_filter {
     AIR_FILTER_GAUSSIAN = 3
 } air_filter;
 
+/* A stretch of a ray in which the same media are present: bit i of the mask is medium i of the
+ * snapshot. */
+typedef struct air_media_interval {
+    float t0, t1;
+    uint64_t media_mask;
+} air_media_interval;
+
 /* A vertex of a camera path, as the hook sees it: after its segment was sampled, before light is
  * gathered. */
 typedef struct air_path_vertex {
     float position[3];
-    float dir_in[3];      /* direction of travel that arrived here */
-    float throughput[3];  /* of the path up to and including this event */
-    float segment_length; /* of the ray that arrived; media_mask of the vertex below */
-    uint64_t media_mask;  /* media present at the vertex; 0 on a surface in clear air */
-    uint32_t depth;       /* 1 = first event */
+    float dir_in[3];     /* direction of travel that arrived here */
+    float throughput[3]; /* of the path up to the vertex, sigma_s included where it lies in a medium
+                          */
+    float segment_length;                /* of the ray that arrived */
+    const air_media_interval *intervals; /* media along that ray up to the surface it ends on, in
+                                            order; valid during the call */
+    size_t interval_count;
+    uint64_t media_mask; /* media present at the vertex; 0 in clear air */
+    uint32_t depth;      /* 1 = first event */
     bool on_surface;
-    float normal[3]; /* surfaces */
+    float normal[3]; /* surfaces: on the side the ray came from */
 } air_path_vertex;
 
 struct air_film;

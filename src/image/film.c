@@ -126,17 +126,28 @@ air_status air_film_node_create(const air_film *film, uint32_t begin, uint32_t e
     return AIR_OK;
 }
 
+/* Makes room for more nodes. */
+static air_status reserve(air_film *film, size_t more)
+{
+    if (film->node_capacity - film->node_count >= more) {
+        return AIR_OK;
+    }
+    const size_t capacity = film->node_count + more + 4;
+    air_film_node *grown =
+        air_reallocate(film->context, film->nodes, capacity, sizeof *film->nodes);
+    if (grown == NULL) {
+        return air_fail_memory(film->context, "film");
+    }
+    film->nodes = grown;
+    film->node_capacity = capacity;
+    return AIR_OK;
+}
+
 air_status air_film_add(air_film *film, air_film_node *node)
 {
-    if (film->node_count == film->node_capacity) {
-        const size_t capacity = film->node_capacity * 2 + 4;
-        air_film_node *grown =
-            air_reallocate(film->context, film->nodes, capacity, sizeof *film->nodes);
-        if (grown == NULL) {
-            return air_fail_memory(film->context, "film");
-        }
-        film->nodes = grown;
-        film->node_capacity = capacity;
+    const air_status status = reserve(film, 1);
+    if (status != AIR_OK) {
+        return status;
     }
     size_t i = film->node_count;
     while (i > 0 && film->nodes[i - 1].begin > node->begin) {
@@ -225,9 +236,8 @@ static const air_film_node *overlap(const air_film *film, const air_film_node *n
     return NULL;
 }
 
-air_status air_film_merge(air_film *film, const air_film *other)
+static air_status check_merge(const air_film *film, const air_film *other)
 {
-    air_status status = AIR_OK;
     const char *what = difference(film, other);
     if (what != NULL) {
         return air_fail(film->context, AIR_ERROR_ARGUMENT, "merge: the films differ in their %s",
@@ -241,17 +251,35 @@ air_status air_film_merge(air_film *film, const air_film *other)
                             twice->end, other->nodes[i].begin, other->nodes[i].end);
         }
     }
+    return AIR_OK;
+}
+
+/* Everything that can fail comes first, so that a film is merged wholly or not at all. */
+air_status air_film_merge(air_film *film, const air_film *other)
+{
+    air_film_node *copies = NULL;
+    air_status status = check_merge(film, other);
+    if (status != AIR_OK) {
+        return status;
+    }
+    copies = air_allocate(film->context, other->node_count, sizeof *copies);
+    status = copies == NULL ? air_fail_memory(film->context, "merge") : AIR_OK;
     for (size_t i = 0; i < other->node_count && status == AIR_OK; i++) {
         const air_film_node *from = &other->nodes[i];
-        air_film_node node;
-        status = air_film_node_create(film, from->begin, from->end, &node);
+        status = air_film_node_create(film, from->begin, from->end, &copies[i]);
         if (status == AIR_OK) {
-            memcpy(node.sums, from->sums,
-                   air_film_pixel_count(film) * film->layout.stride * sizeof *node.sums);
-            status = air_film_add(film, &node);
-            air_free(film->context, node.sums);
+            memcpy(copies[i].sums, from->sums,
+                   air_film_pixel_count(film) * film->layout.stride * sizeof *from->sums);
         }
     }
+    status = status == AIR_OK ? reserve(film, other->node_count) : status;
+    for (size_t i = 0; i < other->node_count && status == AIR_OK; i++) {
+        status = air_film_add(film, &copies[i]);
+    }
+    for (size_t i = 0; copies != NULL && i < other->node_count; i++) {
+        air_free(film->context, copies[i].sums);
+    }
+    air_free(film->context, copies);
     return status;
 }
 

@@ -27,12 +27,12 @@ static float alpha_transmittance(const air_path *path, const air_ray *shadow_ray
 
 static air_vec3 tracked_transmittance(const air_path *path, air_path_scratch *scratch,
                                       const air_path_lane *lane, const air_ray *ray,
-                                      uint32_t stream)
+                                      const path_shadow *shadow)
 {
-    air_rng rng = air_sampler_rng(&lane->sampler, stream);
+    air_rng rng = air_sampler_rng(&lane->sampler, shadow->stream);
     air_ray_media_make(&scratch->media, &path->snapshot->media, vec3_load(ray->origin),
-                       vec3_load(ray->dir), ray->tmax);
-    return air_track_transmittance(&scratch->media, fminf(ray->tmax, AIR_FAR), &rng);
+                       vec3_load(ray->dir), shadow->distance);
+    return air_track_transmittance(&scratch->media, fminf(shadow->distance, AIR_FAR), &rng);
 }
 
 void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes)
@@ -57,8 +57,8 @@ void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane
             value = vec3_scale(value, alpha_transmittance(path, ray));
         }
         if (shadow->tracked && !vec3_is_zero(value)) {
-            value = vec3_mul(value, tracked_transmittance(path, scratch, &lanes[shadow->lane], ray,
-                                                          shadow->stream));
+            value = vec3_mul(
+                value, tracked_transmittance(path, scratch, &lanes[shadow->lane], ray, shadow));
         }
         air_vec3 *sum = &lanes[shadow->lane].terms[shadow->term];
         *sum = vec3_add(*sum, value);

@@ -23,7 +23,8 @@ static air_vec3 channel_shares(const air_ray_media *ray, air_vec3 throughput)
 
 float air_distance_event_probability(const air_ray_media *ray, air_vec3 throughput)
 {
-    return ray->grey ? ray->loss.x : vec3_dot(channel_shares(ray, throughput), ray->loss);
+    const float sum = throughput.x + throughput.y + throughput.z;
+    return ray->grey || !(sum > 0.0f) ? vec3_min(ray->loss) : vec3_dot(throughput, ray->loss) / sum;
 }
 
 /* The equi-angular variable over the stretch of the ray that holds media. */

@@ -75,28 +75,20 @@ static air_vec3 scatter_eval(const air_path *path, const path_vertex *vertex,
     return air_bsdf_eval(bsdf, vertex->wo, wi);
 }
 
-/* A light that a sampled direction can meet too. */
-static bool hittable(const air_light_table *lights, uint32_t entry)
-{
-    const air_light *light = &lights->entries[entry];
-    return light->kind == AIR_LIGHT_ENVIRONMENT ||
-           (light->kind == AIR_LIGHT_POLYGON &&
-            (light->camera_visible || entry >= lights->explicit_count));
-}
-
-/* Multiplies value by the transmittance towards the light, in closed form if possible; says whether it was. */
+/* Multiplies value by the transmittance towards the light, in closed form if possible; says whether
+ * it was. */
 static bool attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
-                      air_vec3 *value)
+                      float distance, air_vec3 *value)
 {
     const air_media *media = &path->snapshot->media;
     const air_vec3 origin = vec3_load(ray->origin), dir = vec3_load(ray->dir);
     if (media->all_constant) {
         if (media->region_count > 0) {
-            *value = vec3_mul(*value, air_constant_transmittance(media, origin, dir, ray->tmax));
+            *value = vec3_mul(*value, air_constant_transmittance(media, origin, dir, distance));
         }
         return true;
     }
-    air_ray_media_make(&scratch->media, media, origin, dir, ray->tmax);
+    air_ray_media_make(&scratch->media, media, origin, dir, distance);
     if (scratch->media.closed) {
         *value = vec3_mul(*value, scratch->media.transmittance);
     }
@@ -145,9 +137,8 @@ static air_vec3 connection_value(const air_path *path, const path_vertex *vertex
                                  const path_mixture *mixture, const air_light_point *light,
                                  const air_connection *connection, float probability)
 {
-    const air_light_table *lights = &path->snapshot->lights;
-    const uint32_t owner = lights->entries[light->entry].owner;
-    const bool shared = !light->delta && hittable(lights, light->entry);
+    const uint32_t owner = path->snapshot->lights.entries[light->entry].owner;
+    const bool shared = !light->delta && path_hittable(path, light->entry);
     float pdf_dir = 0.0f;
     const air_vec3 f =
         scatter_eval(path, vertex, mixture, connection->dir, owner, shared ? &pdf_dir : NULL);
@@ -178,12 +169,16 @@ void path_gather(const air_path *path, air_path_scratch *scratch, const air_path
         return;
     }
     path_shadow shadow = {connection_value(path, vertex, mixture, light, &connection, probability),
-                          walk->lane, (uint32_t)path_term(walk), path_direction_set(walk), false};
+                          walk->lane,
+                          (uint32_t)path_term(walk),
+                          path_direction_set(walk),
+                          false,
+                          connection.distance};
     if (vec3_is_zero(shadow.value)) {
         return;
     }
     air_ray ray = shadow_ray(vertex, &connection, light);
-    shadow.tracked = !attenuate(path, scratch, &ray, &shadow.value);
+    shadow.tracked = !attenuate(path, scratch, &ray, connection.distance, &shadow.value);
     if (vec3_is_zero(shadow.value)) {
         return;
     }

@@ -36,6 +36,11 @@ void air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol
         path->emissive_media =
             path->emissive_media || !vec3_is_zero(snapshot->media.media[i].emission);
     }
+    path->pervious = false;
+    for (size_t i = 0; i < snapshot->mesh_count; i++) {
+        const uint32_t shadow = AIR_MASK_SHADOW_OPAQUE | AIR_MASK_SHADOW_ALPHA;
+        path->pervious = path->pervious || (snapshot->meshes[i]->mask & shadow) == 0;
+    }
     path->extended_lights = snapshot->lights.count > snapshot->lights.explicit_count;
     for (size_t i = 0; i < snapshot->lights.explicit_count; i++) {
         const air_light_kind kind = snapshot->lights.entries[i].kind;
@@ -60,6 +65,9 @@ static float hit_weight(const air_path *path, const path_walk *walk, uint32_t en
 {
     if (walk->pdf_dir == 0.0f) {
         return 1.0f;
+    }
+    if (!path_hittable(path, entry)) {
+        return 0.0f; /* all of it comes by next-event estimation */
     }
     const float pdf = pdf_light * air_light_pick_probability(&path->snapshot->lights, entry);
     return walk->pdf_dir / (walk->pdf_dir + pdf);
@@ -110,7 +118,7 @@ static void add_surface_emission(const air_path *path, const path_walk *walk, co
         (walk->depth > 0 && path->snapshot->materials[mesh->material].unlit)) {
         return;
     }
-    const uint32_t owner = lights->owner_count > 0 ? (uint32_t)lights->owner_count - 1 : 0;
+    const uint32_t owner = (uint32_t)lights->explicit_count;
     if (!emission_term(path, walk, owner, AIR_TERM_EMISSION, &term)) {
         return;
     }
@@ -123,36 +131,45 @@ static void add_surface_emission(const air_path *path, const path_walk *walk, co
     add(lane, term, vec3_scale(value, weight));
 }
 
-enum { MAX_POLYGON_HITS = 32 };
+/* The radiance of one polygon light that the ray crosses at t. */
+static void add_polygon_light(const air_path *path, const path_walk *walk, uint32_t entry,
+                              air_vec3 dir, float t, const air_ray_media *media,
+                              air_path_lane *lane)
+{
+    const air_light_table *lights = &path->snapshot->lights;
+    const air_light *light = &lights->entries[entry];
+    const air_vec3 radiance = air_polygon_radiance(light, dir);
+    air_term term;
+    if (vec3_is_zero(radiance) ||
+        !emission_term(path, walk, light->owner, AIR_TERM_EMISSION, &term)) {
+        return;
+    }
+    air_rng rng = ray_rng(lane, walk, 0x30000u);
+    const float weight = hit_weight(path, walk, entry, air_light_hit_pdf(lights, entry, dir, t));
+    const air_vec3 transmittance = air_track_transmittance(media, t, &rng);
+    const air_vec3 value = vec3_mul(vec3_mul(walk->beta, transmittance), radiance);
+    add(lane, term, vec3_scale(value, weight));
+}
 
 /* Polygon lights stop nothing; each one the ray crosses adds its radiance. */
 static void add_polygon_lights(const air_path *path, const path_walk *walk, const air_ray *ray,
                                float tmax, const air_ray_media *media, air_path_lane *lane)
 {
+    enum { MOST = 32 };
     const air_light_table *lights = &path->snapshot->lights;
     air_ray polygon_ray = *ray;
-    air_hit hits[MAX_POLYGON_HITS];
+    air_hit hits[MOST];
+    size_t count = MOST;
     polygon_ray.tmin = 0.0f;
-    polygon_ray.tmax = tmax;
+    polygon_ray.tmax = tmax * 1.0001f; /* as far as shadow rays reach */
     polygon_ray.mask = UINT32_MAX;
-    const size_t count = path->rays->intersect_all(lights->visible_accelerator, &polygon_ray, hits,
-                                                   MAX_POLYGON_HITS);
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t entry = lights->visible_entries[hits[i].mesh];
-        const air_light *light = &lights->entries[entry];
-        const air_vec3 dir = vec3_load(ray->dir);
-        const air_vec3 radiance = air_polygon_radiance(light, dir);
-        air_term term;
-        if (vec3_is_zero(radiance) ||
-            !emission_term(path, walk, light->owner, AIR_TERM_EMISSION, &term)) {
-            continue;
+    while (count == MOST) {
+        count = path->rays->intersect_all(lights->visible_accelerator, &polygon_ray, hits, MOST);
+        for (size_t i = 0; i < count; i++) {
+            add_polygon_light(path, walk, lights->visible_entries[hits[i].mesh],
+                              vec3_load(ray->dir), hits[i].t, media, lane);
+            polygon_ray.tmin = hits[i].t;
         }
-        air_rng rng = ray_rng(lane, walk, 0x30000u);
-        const float weight =
-            hit_weight(path, walk, entry, air_light_hit_pdf(lights, entry, dir, hits[i].t));
-        const air_vec3 transmittance = air_track_transmittance(media, hits[i].t, &rng);
-        const air_vec3 value = vec3_mul(vec3_mul(walk->beta, transmittance), radiance);
-        add(lane, term, vec3_scale(value, weight));
     }
 }
 
@@ -175,31 +192,63 @@ static void add_media_emission(const air_path *path, const path_walk *walk,
 
 /* ---- events ---- */
 
-static void call_hook(const air_path *path, const air_path_lane *lane, const path_vertex *vertex,
-                      float length)
+static uint64_t media_of_regions(const air_media *media, uint64_t regions)
 {
-    air_path_vertex out = {0};
-    const air_vec3 position =
-        vertex->on_surface ? vertex->at.surface.position : vertex->at.medium.position;
-    vec3_store(out.position, position);
-    vec3_store(out.dir_in, vec3_neg(vertex->wo));
-    air_vec3 throughput = vertex->walk.beta;
+    uint64_t mask = 0;
+    for (uint64_t rest = regions; rest != 0; rest &= rest - 1) {
+        mask |= (uint64_t)1 << media->regions[__builtin_ctzll(rest)].medium;
+    }
+    return mask;
+}
+
+/* The media of a ray as callers see them. */
+static size_t list_intervals(const air_ray_media *ray, air_media_interval *out)
+{
+    for (size_t i = 0; i < ray->count; i++) {
+        const air_ray_segment *segment = &ray->segments[i];
+        out[i] = (air_media_interval){segment->t0, segment->t1,
+                                      media_of_regions(ray->media, segment->regions)};
+    }
+    return ray->count;
+}
+
+/* Throughput including the event, but for its direction: sigma_s where it was in a medium. */
+static air_vec3 throughput_at(const air_path *path, const path_vertex *vertex)
+{
     if (vertex->on_surface) {
+        return vertex->walk.beta;
+    }
+    path_mixture mixture;
+    air_vec3 sigma_s = vec3_set1(0.0f);
+    path_mixture_make(path, vertex, &mixture);
+    for (size_t i = 0; i < mixture.count; i++) {
+        sigma_s = vec3_add(sigma_s, mixture.parts[i].sigma_s);
+    }
+    return vec3_mul(vertex->walk.beta, sigma_s);
+}
+
+static void call_hook(const air_path *path, const air_ray_media *ray, const air_path_lane *lane,
+                      const path_vertex *vertex, float length)
+{
+    air_media_interval intervals[AIR_MAX_SEGMENTS];
+    air_path_vertex out = {.intervals = intervals,
+                           .interval_count = list_intervals(ray, intervals),
+                           .segment_length = length,
+                           .depth = vertex->walk.depth,
+                           .on_surface = vertex->on_surface};
+    vec3_store(out.dir_in, vec3_neg(vertex->wo));
+    vec3_store(out.throughput, throughput_at(path, vertex));
+    if (vertex->on_surface) {
+        vec3_store(out.position, vertex->at.surface.position);
         vec3_store(out.normal, vertex->at.surface.bsdf.normal);
     } else {
-        path_mixture mixture;
-        air_vec3 sigma_s = vec3_set1(0.0f);
-        path_mixture_make(path, vertex, &mixture);
-        for (size_t i = 0; i < mixture.count; i++) {
-            sigma_s = vec3_add(sigma_s, mixture.parts[i].sigma_s);
-            out.media_mask |= (uint64_t)1 << mixture.parts[i].medium;
-        }
-        throughput = vec3_mul(throughput, sigma_s);
+        vec3_store(out.position, vertex->at.medium.position);
     }
-    vec3_store(out.throughput, throughput);
-    out.segment_length = length;
-    out.depth = vertex->walk.depth;
-    out.on_surface = vertex->on_surface;
+    for (size_t i = 0; i < out.interval_count; i++) {
+        if (length >= intervals[i].t0 && length <= intervals[i].t1) {
+            out.media_mask = intervals[i].media_mask;
+        }
+    }
     path->settings.vertex_hook(path->settings.vertex_hook_user, lane->x, lane->y, lane->sample,
                                &out);
 }
@@ -226,7 +275,7 @@ static void push_surface(const air_path *path, air_path_scratch *scratch, const 
     vertex->on_surface = true;
     vertex->wo = vec3_neg(vec3_load(ray->dir));
     if (path->settings.vertex_hook != NULL) {
-        call_hook(path, lane, vertex, t);
+        call_hook(path, &scratch->media, lane, vertex, t);
     }
 }
 
@@ -251,7 +300,7 @@ static void place_medium(const air_path *path, path_vertex *vertex, const air_ra
     vertex->at.medium.position = vec3_madd(media->origin, t, media->dir);
     vertex->at.medium.regions = media->segments[segment].regions;
     if (path->settings.vertex_hook != NULL) {
-        call_hook(path, lane, vertex, t);
+        call_hook(path, media, lane, vertex, t);
     }
 }
 

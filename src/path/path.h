@@ -33,6 +33,7 @@ typedef struct air_path {
     air_path_settings settings;
     bool hittable_lights; /* some light can be met by a sampled direction, or some medium emits */
     bool emissive_media;
+    bool pervious; /* some mesh casts no shadow: then shadow rays see what directions do not */
     bool extended_lights; /* some light has an area or fills directions */
 } air_path;
 

@@ -77,7 +77,7 @@ void air_ray_media_make(air_ray_media *ray, const air_media *media, air_vec3 ori
         gather(ray, segment);
         ray->closed = ray->closed && !segment->tracked;
         segment->depth = ray->depth;
-        if (ray->closed) {
+        if (!segment->tracked) {
             ray->depth = air_ray_media_segment_depth(ray, segment, segment->t1);
             ray->grey = ray->grey && ray->depth.x == ray->depth.y && ray->depth.x == ray->depth.z;
         }
@@ -152,14 +152,9 @@ static float invert_exponential(const air_ray_media *ray, const air_ray_segment 
     return t;
 }
 
-float air_ray_media_invert(const air_ray_media *ray, int channel, float depth, size_t *out_segment)
+float air_ray_media_invert_segment(const air_ray_media *ray, const air_ray_segment *segment,
+                                   int channel, float depth)
 {
-    size_t i = ray->count - 1;
-    while (i > 0 && depth < air_channel(ray->segments[i].depth, channel)) {
-        i--;
-    }
-    const air_ray_segment *segment = &ray->segments[i];
-    *out_segment = i;
     if (segment->exponential) {
         return invert_exponential(ray, segment, channel, depth);
     }
@@ -167,6 +162,16 @@ float air_ray_media_invert(const air_ray_media *ray, int channel, float depth, s
     const float sigma = air_channel(segment->sigma_t, channel);
     const float t = sigma > 0.0f ? segment->t0 + rest / sigma : segment->t1;
     return float_min(t, segment->t1);
+}
+
+float air_ray_media_invert(const air_ray_media *ray, int channel, float depth, size_t *out_segment)
+{
+    size_t i = ray->count - 1;
+    while (i > 0 && depth < air_channel(ray->segments[i].depth, channel)) {
+        i--;
+    }
+    *out_segment = i;
+    return air_ray_media_invert_segment(ray, &ray->segments[i], channel, depth);
 }
 
 air_coefficients air_ray_media_coefficients(const air_ray_media *ray,

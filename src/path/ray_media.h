@@ -15,9 +15,9 @@ typedef struct air_ray_segment {
     float t0, t1;
     uint64_t regions;
     air_vec3 sigma_s, sigma_t, emission; /* of the constant media together */
-    air_vec3 depth;   /* optical depth from the ray's origin to t0; closed rays only */
-    bool exponential; /* some exponential medium is present */
-    bool tracked;     /* some grid is present */
+    air_vec3 depth;                      /* optical depth of untracked segments before t0 */
+    bool exponential;                    /* some exponential medium is present */
+    bool tracked;                        /* some grid is present */
 } air_ray_segment;
 
 typedef struct air_ray_media {
@@ -37,7 +37,8 @@ typedef struct air_ray_media {
 void air_ray_media_make(air_ray_media *ray, const air_media *media, air_vec3 origin, air_vec3 dir,
                         float tmax);
 
-/* Transmittance over a whole ray through media of constant density (media->all_constant), without laying it out. */
+/* Transmittance over a whole ray through media of constant density (media->all_constant), without
+ * laying it out. */
 air_vec3 air_constant_transmittance(const air_media *media, air_vec3 origin, air_vec3 dir,
                                     float tmax);
 
@@ -60,6 +61,11 @@ static inline air_vec3 air_ray_media_segment_depth(const air_ray_media *ray,
 /* The distance at which the optical depth of a channel reaches `depth`, and the segment it lies in;
  * depth must be below the total. The ray must be closed. */
 float air_ray_media_invert(const air_ray_media *ray, int channel, float depth, size_t *out_segment);
+
+/* The same within one segment without grids, which need not be of a closed ray; depth counts from
+ * where segment->depth does. */
+float air_ray_media_invert_segment(const air_ray_media *ray, const air_ray_segment *segment,
+                                   int channel, float depth);
 
 /* The segment that holds t; count if none does. */
 size_t air_ray_media_find(const air_ray_media *ray, float t);

@@ -61,7 +61,7 @@ static float exponential_majorant(const majorant_walk *walk, float t0, float *t1
         const air_region *region = &walk->ray->media->regions[__builtin_ctzll(rest)];
         const air_medium *medium = &walk->ray->media->media[region->medium];
         if (medium->kind == AIR_DENSITY_EXPONENTIAL) {
-            *t1 = fminf(*t1, t0 + 1.0f / medium->inverse_scale_height);
+            *t1 = fminf(*t1, air_exponential_piece(medium, walk->ray->origin, walk->ray->dir, t0));
         }
     }
     for (uint64_t rest = walk->segment->regions; rest != 0; rest &= rest - 1) {
@@ -127,10 +127,10 @@ static bool roulette(air_vec3 *product, air_rng *rng)
     return true;
 }
 
-/* Of a segment that is not varying, the transmittance in closed form. */
-static bool plain_segment(const air_ray_segment *segment)
+/* The optical depth of an untracked segment from its begin to t, in closed form. */
+static air_vec3 closed_depth(const air_ray_media *ray, const air_ray_segment *segment, float t)
 {
-    return !segment->exponential && !segment->tracked;
+    return vec3_sub(air_ray_media_segment_depth(ray, segment, t), segment->depth);
 }
 
 /* product *= transmittance of a varying segment up to t_end; false when it became 0. */
@@ -163,9 +163,9 @@ air_vec3 air_track_transmittance(const air_ray_media *ray, float t, air_rng *rng
     air_vec3 product = vec3_set1(1.0f);
     for (size_t i = 0; i < ray->count && ray->segments[i].t0 < t; i++) {
         const air_ray_segment *segment = &ray->segments[i];
-        if (plain_segment(segment)) {
-            const float length = fminf(segment->t1, t) - segment->t0;
-            product = vec3_mul(product, vec3_exp(vec3_scale(segment->sigma_t, -length)));
+        if (!segment->tracked) {
+            const air_vec3 depth = closed_depth(ray, segment, fminf(segment->t1, t));
+            product = vec3_mul(product, vec3_exp(vec3_neg(depth)));
         } else if (!ratio_segment(ray, i, t, &product, rng)) {
             return vec3_set1(0.0f);
         }
@@ -222,12 +222,50 @@ static bool collide(air_vec3 sigma_t, float majorant, air_vec3 throughput, air_v
     return false;
 }
 
+/* Through an untracked segment in one step: free flight in a channel chosen by throughput, all
+ * channels in the density, of passing too. */
+static bool collide_closed(const air_ray_media *ray, size_t index, air_vec3 throughput,
+                           air_collision *out, air_rng *rng)
+{
+    const air_ray_segment *segment = &ray->segments[index];
+    const air_vec3 now = vec3_mul(throughput, out->weight);
+    const float total = now.x + now.y + now.z;
+    const float u = air_rng_float(rng) * total;
+    const int channel = u < now.x ? 0 : u < now.x + now.y ? 1 : 2;
+    const float flight = -logf(1.0f - air_rng_float(rng));
+    const air_vec3 whole = closed_depth(ray, segment, segment->t1);
+    out->happened = flight < air_channel(whole, channel);
+    air_vec3 depth = whole;
+    float scale = 1.0f;
+    if (out->happened) {
+        out->segment = index;
+        out->t = air_ray_media_invert_segment(ray, segment, channel,
+                                              air_channel(segment->depth, channel) + flight);
+        depth = closed_depth(ray, segment, out->t);
+    }
+    const air_vec3 transmittance = vec3_exp(vec3_neg(depth));
+    air_vec3 density = transmittance;
+    if (out->happened) {
+        density = vec3_mul(density, air_ray_media_coefficients(ray, segment, out->t).sigma_t);
+    }
+    const float pdf = vec3_dot(now, density);
+    scale = pdf > 0.0f ? total / pdf : 0.0f;
+    out->weight = vec3_scale(vec3_mul(out->weight, transmittance), scale);
+    return out->happened;
+}
+
 air_collision air_track_collision(const air_ray_media *ray, air_vec3 throughput, air_rng *rng)
 {
     air_collision out = {false, 0.0f, 0, vec3_set1(1.0f)};
     for (size_t i = 0; i < ray->count; i++) {
         majorant_walk walk;
         float t0, t1, majorant;
+        if (!ray->segments[i].tracked) {
+            if (collide_closed(ray, i, throughput, &out, rng)) {
+                return out;
+            }
+            continue;
+        }
         walk_start(&walk, ray, i, ray->segments[i].t1);
         while (walk_next(&walk, &t0, &t1, &majorant)) {
             float t = t0;

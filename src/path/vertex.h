@@ -42,6 +42,7 @@ typedef struct path_shadow {
     uint32_t term;
     uint32_t stream; /* of random numbers, should the way be tracked */
     bool tracked;    /* value is still without the transmittance */
+    float distance;  /* to the light, over which the media act */
 } path_shadow;
 
 struct air_path_scratch {
@@ -67,6 +68,18 @@ static inline uint32_t path_light_set(const path_walk *walk)
 static inline uint32_t path_direction_set(const path_walk *walk)
 {
     return walk->depth <= 1 ? 3 + walk->branch : path_light_set(walk) + 1;
+}
+
+/* A light that a sampled direction meets too, seen by it as by a shadow ray: the two are then
+ * combined. */
+static inline bool path_hittable(const air_path *path, uint32_t entry)
+{
+    const air_light_table *lights = &path->snapshot->lights;
+    const air_light *light = &lights->entries[entry];
+    return !path->pervious && light->casts_shadow &&
+           (light->kind == AIR_LIGHT_ENVIRONMENT ||
+            (light->kind == AIR_LIGHT_POLYGON &&
+             (light->camera_visible || entry >= lights->explicit_count)));
 }
 
 static inline air_term path_term(const path_walk *walk)

@@ -109,6 +109,9 @@ air_status air_owner_table_create(air_context *context, const air_snapshot *snap
                                   const char *methods, air_owner_table **out_table)
 {
     *out_table = NULL;
+    if (methods == NULL) {
+        return air_fail(context, AIR_ERROR_ARGUMENT, "method: expected a text, not NULL");
+    }
     air_owner_table *table = air_allocate(context, 1, sizeof *table);
     if (table == NULL) {
         return air_fail_memory(context, "owner table");

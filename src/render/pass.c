@@ -123,8 +123,8 @@ static void render_pixel(const render_pass *pass, pass_worker *worker, uint32_t 
     const size_t pixel = (size_t)(y - film->crop[1]) * row + (x - film->crop[0]);
     for (size_t n = 0; n < pass->node_count; n++) {
         const air_film_node *node = &pass->nodes[n];
-        for (uint32_t s = node->begin; s < node->end; s += AIR_FILM_BLOCK) {
-            const uint32_t stop = node->end - s < AIR_FILM_BLOCK ? node->end : s + AIR_FILM_BLOCK;
+        for (uint32_t s = node->begin, stop; s < node->end; s = stop) {
+            stop = node->end - s < AIR_FILM_BLOCK ? node->end : s + AIR_FILM_BLOCK;
             render_block(pass, worker, x, y, s, stop);
             air_block_stack_push(&worker->stack, worker->block);
         }

@@ -2,40 +2,20 @@
 
 #include <string.h>
 
-/* The part of a picture's name that must agree before its samples may be added to another's: FNV-1a
- * over what was asked for and what the scene is made of. */
-static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
-{
-    const uint8_t *bytes = data;
-    for (size_t i = 0; i < size; i++) {
-        hash = (hash ^ bytes[i]) * 0x100000001b3ull;
-    }
-    return hash;
-}
+#include "render/fingerprint.h"
 
+/* What must agree before samples may be added to another picture's. */
 static uint64_t settings_hash(const air_picture *picture)
 {
     const air_render_params *p = picture->params;
-    const air_snapshot *s = picture->snapshot;
-    uint64_t hash = 0xcbf29ce484222325ull;
-    hash = hash_bytes(hash, &p->max_depth, sizeof p->max_depth);
-    hash = hash_bytes(hash, &p->terms, sizeof p->terms);
-    hash = hash_bytes(hash, p->methods, strlen(p->methods));
-    hash = hash_bytes(hash, &p->filter, sizeof p->filter);
-    hash = hash_bytes(hash, &p->filter_radius, sizeof p->filter_radius);
-    hash = hash_bytes(hash, &picture->view.origin, sizeof picture->view.origin);
-    hash = hash_bytes(hash, &picture->view.dir, sizeof picture->view.dir);
-    hash = hash_bytes(hash, &s->triangle_count, sizeof s->triangle_count);
-    hash = hash_bytes(hash, s->bounds_min, sizeof s->bounds_min);
-    hash = hash_bytes(hash, s->bounds_max, sizeof s->bounds_max);
-    for (size_t i = 0; i < s->media.count; i++) {
-        hash = hash_bytes(hash, &s->media.media[i].sigma_s, sizeof(air_vec3));
-        hash = hash_bytes(hash, &s->media.media[i].sigma_a, sizeof(air_vec3));
-    }
-    for (size_t i = 0; i < s->lights.explicit_count; i++) {
-        hash = hash_bytes(hash, &s->lights.entries[i].color, sizeof(air_vec3));
-    }
-    return hash;
+    const air_camera_view *view = &picture->view;
+    const air_vec3 rays[4] = {view->origin, view->dir, view->step_x, view->step_y};
+    const uint32_t numbers[4] = {p->max_depth, p->terms, (uint32_t)p->filter, (uint32_t)view->kind};
+    uint64_t hash = air_fingerprint_snapshot(picture->snapshot);
+    hash = air_fingerprint_add(hash, rays, sizeof rays);
+    hash = air_fingerprint_add(hash, numbers, sizeof numbers);
+    hash = air_fingerprint_add(hash, &p->filter_radius, sizeof p->filter_radius);
+    return air_fingerprint_add(hash, p->methods, strlen(p->methods));
 }
 
 static void make_layout(air_picture *picture)

@@ -100,8 +100,8 @@ static air_status check(air_context *context, const air_snapshot *snapshot,
     return AIR_OK;
 }
 
-/* Light from infinity through fog without end is light of optical depth infinity: the picture is black, and who asked for it
- * should know why. */
+/* Light from infinity through fog without end is light of optical depth infinity: the picture is
+ * black, and who asked for it should know why. */
 static void warn_of_endless_fog(air_context *context, const air_snapshot *snapshot)
 {
     const air_region *endless = NULL;
@@ -115,10 +115,11 @@ static void warn_of_endless_fog(air_context *context, const air_snapshot *snapsh
     for (size_t i = 0; endless != NULL && i < snapshot->lights.explicit_count; i++) {
         const air_light *light = &snapshot->lights.entries[i];
         if (light->kind == AIR_LIGHT_COLLIMATED || light->kind == AIR_LIGHT_ENVIRONMENT) {
-            air_warn(context,
-                     "medium \"%s\" has no end, so nothing of light \"%s\" arrives from infinity: give "
-                     "the medium a boundary",
-                     snapshot->media.media[endless->medium].name, light->name);
+            air_warn(
+                context,
+                "medium \"%s\" has no end, so nothing of light \"%s\" arrives from infinity: give "
+                "the medium a boundary",
+                snapshot->media.media[endless->medium].name, light->name);
         }
     }
 }

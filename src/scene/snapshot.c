@@ -150,7 +150,7 @@ static air_status set_meshes(air_snapshot *snapshot)
         snapshot->meshes[i] = &shared->meshes[i];
         snapshot->triangle_count += shared->meshes[i].triangle_count;
         snapshot->has_alpha =
-            snapshot->has_alpha || (shared->meshes[i].mask & AIR_MASK_SHADOW_ALPHA) != 0;
+            snapshot->has_alpha || snapshot->materials[material].alpha_mode != AIR_ALPHA_OPAQUE;
     }
     return AIR_OK;
 }

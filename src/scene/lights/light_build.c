@@ -83,6 +83,18 @@ static bool emits(const air_mesh *mesh, const air_material *materials)
     return mesh->triangle_count > 0 && air_material_is_emitter(&materials[mesh->material]);
 }
 
+/* Surfaces with coverage too, which rays meet although they have no entry. */
+static bool any_glows(const air_mesh *const *meshes, size_t mesh_count,
+                      const air_material *materials)
+{
+    bool any = false;
+    for (size_t i = 0; i < mesh_count; i++) {
+        const air_material *material = &materials[meshes[i]->material];
+        any = any || (!material->unlit && !vec3_is_zero(material->emission));
+    }
+    return any;
+}
+
 static size_t count_emissive(const air_mesh *const *meshes, size_t mesh_count,
                              const air_material *materials)
 {
@@ -223,7 +235,7 @@ air_status air_light_table_build(air_context *context, const air_light_source *l
                         count, emissive, UINT32_MAX - 1);
     }
     air_light_table table = {.explicit_count = count, .count = count + emissive};
-    table.owner_count = count + (emissive > 0 ? 1 : 0);
+    table.owner_count = count + (any_glows(meshes, mesh_count, materials) ? 1 : 0);
     set_scene_sphere(bounds_min, bounds_max, &table);
     air_status status = AIR_OK;
     table.entries = air_allocate(context, table.count, sizeof *table.entries);

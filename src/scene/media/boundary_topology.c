@@ -308,6 +308,16 @@ static bool component_contains(const mesh_work *work, uint32_t c, const float *p
     return fabs(half_angle) > AIR_PI; /* half of the full 2 pi */
 }
 
+/* A component that reaches out of another's bounds is not its cavity, wherever its corners lie. */
+static bool lies_within(const component *inner, const component *outer)
+{
+    bool within = true;
+    for (int k = 0; k < 3; k++) {
+        within = within && inner->low[k] >= outer->low[k] && inner->high[k] <= outer->high[k];
+    }
+    return within;
+}
+
 /* Turns each component outwards, or inwards if it lies in an odd number of others. */
 static void orient_components(mesh_work *work)
 {
@@ -317,7 +327,8 @@ static void orient_components(mesh_work *work)
         const float *p = mesh->positions + 3 * mesh->indices[3 * part->first];
         bool cavity = false;
         for (uint32_t other = 0; other < mesh->component_count; other++) {
-            cavity = cavity != (other != c && component_contains(work, other, p));
+            cavity = cavity != (other != c && lies_within(part, &work->components[other]) &&
+                                component_contains(work, other, p));
         }
         part->flip = (part->volume < 0.0) != cavity;
         mesh->volume += cavity ? -fabs(part->volume) : fabs(part->volume);

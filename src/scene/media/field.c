@@ -58,6 +58,18 @@ float air_exponential_max(const air_medium *medium, air_vec3 origin, air_vec3 di
     return expf(-fmaxf(fminf(height_at(line, t0), height_at(line, t1)), 0.0f));
 }
 
+float air_exponential_piece(const air_medium *medium, air_vec3 origin, air_vec3 dir, float t0)
+{
+    const float nothing = 104.0f; /* exp(-104) is 0 in float */
+    const height_line line = make_line(medium, origin, dir);
+    const float h = height_at(line, t0), rise = fabsf(line.b);
+    if (rise == 0.0f || (line.b < 0.0f && h <= 0.0f) || (line.b > 0.0f && h >= nothing)) {
+        return INFINITY;
+    }
+    const float flat = line.b > 0.0f ? fmaxf(-h, 0.0f) : fmaxf(h - nothing, 0.0f);
+    return fmaxf(t0 + (flat + 1.0f) / rise, t0 * (1.0f + 1e-6f));
+}
+
 static air_coefficients scaled(const air_medium *medium, float density)
 {
     return (air_coefficients){vec3_scale(medium->sigma_s, density),

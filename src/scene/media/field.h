@@ -25,4 +25,8 @@ float air_exponential_depth(const air_medium *medium, air_vec3 origin, air_vec3 
 float air_exponential_max(const air_medium *medium, air_vec3 origin, air_vec3 dir, float t0,
                           float t1);
 
+/* The end of a piece of the ray from t0 on in which the density changes by about a factor e, or is
+ * constant, or nothing. Always beyond t0; may be INFINITY. */
+float air_exponential_piece(const air_medium *medium, air_vec3 origin, air_vec3 dir, float t0);
+
 #endif

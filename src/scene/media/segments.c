@@ -100,27 +100,28 @@ static size_t add_mesh_region(const air_hit *hits, size_t hit_count, uint32_t r,
                               const air_region *region, air_vec3 dir, float a, float b,
                               region_event *events, size_t count)
 {
-    float entered = -1.0f; /* negative: outside */
-    bool first = true;
+    int inside = 0; /* how many of its parts hold the point: at infinity none */
+    for (size_t i = 0; i < hit_count; i++) {
+        if (hits[i].mesh == region->mesh) {
+            inside += vec3_dot(vec3_load(hits[i].normal), dir) < 0.0f ? -1 : 1;
+        }
+    }
+    float entered = 0.0f;
     for (size_t i = 0; i < hit_count && count + 2 <= MAX_BOUNDARY_HITS; i++) {
         if (hits[i].mesh != region->mesh) {
             continue;
         }
-        const bool enter = vec3_dot(vec3_load(hits[i].normal), dir) < 0.0f;
-        if (first && !enter) {
-            entered = 0.0f;
+        const int before = inside;
+        inside += vec3_dot(vec3_load(hits[i].normal), dir) < 0.0f ? 1 : -1;
+        if (before <= 0 && inside > 0) {
+            entered = hits[i].t;
+        } else if (before > 0 && inside <= 0) {
+            const float t0 = float_max(entered, a), t1 = float_min(hits[i].t, b);
+            if (t0 < t1) {
+                events[count++] = (region_event){t0, r, true};
+                events[count++] = (region_event){t1, r, false};
+            }
         }
-        first = false;
-        if (enter) {
-            entered = entered >= 0.0f ? entered : hits[i].t;
-            continue;
-        }
-        const float t0 = float_max(entered, a), t1 = float_min(hits[i].t, b);
-        if (entered >= 0.0f && t0 < t1) {
-            events[count++] = (region_event){t0, r, true};
-            events[count++] = (region_event){t1, r, false};
-        }
-        entered = -1.0f;
     }
     return count;
 }
