@@ -152,7 +152,7 @@ static void a_density_grid_is_invisible(void **state)
     medium.phase.kind = AIR_PHASE_HG;
     medium.phase.g = -0.4f;
     add_medium(scene, &medium);
-    assert_invisible(scene, 16384);
+    assert_invisible(scene, 8192);
 }
 
 static void a_coloured_grid_with_haze_and_fog_around_it_is_invisible(void **state)
@@ -170,7 +170,7 @@ static void a_coloured_grid_with_haze_and_fog_around_it_is_invisible(void **stat
     add_medium(scene, &grid);
     add_medium(scene, &haze);
     add_medium(scene, &fog);
-    assert_invisible(scene, 24576);
+    assert_invisible(scene, 20480);
 }
 
 static void a_replaced_overlap_is_invisible(void **state)

@@ -48,6 +48,10 @@ static unsigned char *compress_for_png(unsigned char *data, int size, int *out_s
 #define STBI_ONLY_HDR
 #define STBI_NO_STDIO
 #define STBI_MAX_DIMENSIONS 65535
+/* Zeroed: a JPEG's scan may name a Huffman table that it never gave, which stb reads as it is. */
+#define STBI_MALLOC(size)           calloc(1, size)
+#define STBI_REALLOC(pointer, size) realloc(pointer, size)
+#define STBI_FREE(pointer)          free(pointer)
 #include <stb/stb_image.h>
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
