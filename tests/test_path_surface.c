@@ -135,9 +135,9 @@ static void a_foggy_cavity_has_its_terms(void **state)
 
 static void radiance_in_a_foggy_cavity_is_one(void **state)
 {
-    static const float sigma_s[2][3] = {{0.5f, 0.5f, 0.5f}, {0.2f, 0.6f, 1.5f}};
+    static const float sigma_s[3][3] = {{0.5f, 0.5f, 0.5f}, {0.2f, 0.6f, 1.5f}, {8.0f, 4.0f, 8.0f}};
     static const double one[3] = {1.0, 1.0, 1.0};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         air_snapshot *snapshot = foggy_cavity(state, sigma_s[i]);
         const probe_result got =
             measure_radiance(snapshot, vec3(0.25f, 0.5f, 0.125f),

@@ -2,9 +2,6 @@
 
 #include "core/exponential.h"
 
-/* Share of the samples that are equi-angular where a light offers a point. */
-#define EQUIANGULAR_SHARE 0.5f
-
 /* Normalised throughput: the probabilities of the three channels. */
 static air_vec3 channel_shares(const air_ray_media *ray, air_vec3 throughput)
 {
@@ -93,27 +90,33 @@ bool air_distance_sample(const air_ray_media *ray, air_vec3 throughput, const ai
 {
     const air_vec3 shares = channel_shares(ray, throughput);
     equiangular e;
-    const bool two = light != NULL && equiangular_make(ray, *light, &e);
-    if (two && u < EQUIANGULAR_SHARE) {
-        const float theta = e.theta_a + (u / EQUIANGULAR_SHARE) * (e.theta_b - e.theta_a);
+    const bool two = light != NULL;
+    const bool angular = two && equiangular_make(ray, *light, &e);
+    if (two && u < AIR_EQUIANGULAR_SHARE) {
+        if (!angular) {
+            return false;
+        }
+        const float theta = e.theta_a + (u / AIR_EQUIANGULAR_SHARE) * (e.theta_b - e.theta_a);
         out->t = e.delta + e.distance * tanf(theta);
         out->segment = air_ray_media_find(ray, out->t);
         if (out->segment == ray->count) {
             return false;
         }
     } else {
-        const float rest = two ? (u - EQUIANGULAR_SHARE) / (1.0f - EQUIANGULAR_SHARE) : u;
+        const float rest = two ? (u - AIR_EQUIANGULAR_SHARE) / (1.0f - AIR_EQUIANGULAR_SHARE) : u;
         out->t = sample_extinction(ray, shares, rest, &out->segment);
     }
     air_vec3 transmittance;
-    float pdf = extinction_pdf(ray, shares, out->segment, out->t, &transmittance);
-    if (two) {
-        pdf = EQUIANGULAR_SHARE * equiangular_pdf(&e, out->t) + (1.0f - EQUIANGULAR_SHARE) * pdf;
+    const float extinction = extinction_pdf(ray, shares, out->segment, out->t, &transmittance);
+    float pdf = two ? (1.0f - AIR_EQUIANGULAR_SHARE) * extinction : extinction;
+    if (angular) {
+        pdf += AIR_EQUIANGULAR_SHARE * equiangular_pdf(&e, out->t);
     }
     if (!(pdf > 0.0f)) {
         return false;
     }
     out->weight = vec3_scale(transmittance, 1.0f / pdf);
+    out->extinction_share = extinction / pdf;
     return true;
 }
 
@@ -122,12 +125,14 @@ float air_distance_sample_pdf(const air_ray_media *ray, air_vec3 throughput, con
 {
     const size_t segment = air_ray_media_find(ray, t);
     equiangular e;
-    const bool two = light != NULL && equiangular_make(ray, *light, &e);
-    const float angular = two ? equiangular_pdf(&e, t) : 0.0f;
+    const float angular =
+        light != NULL && equiangular_make(ray, *light, &e) ? equiangular_pdf(&e, t) : 0.0f;
     air_vec3 transmittance;
     const float extinction =
         segment == ray->count
             ? 0.0f
             : extinction_pdf(ray, channel_shares(ray, throughput), segment, t, &transmittance);
-    return two ? EQUIANGULAR_SHARE * angular + (1.0f - EQUIANGULAR_SHARE) * extinction : extinction;
+    return light != NULL
+               ? AIR_EQUIANGULAR_SHARE * angular + (1.0f - AIR_EQUIANGULAR_SHARE) * extinction
+               : extinction;
 }

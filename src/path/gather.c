@@ -143,7 +143,8 @@ static air_vec3 connection_value(const air_path *path, const path_vertex *vertex
     const air_vec3 f =
         scatter_eval(path, vertex, mixture, connection->dir, owner, shared ? &pdf_dir : NULL);
     const float pdf = connection->pdf * probability + pdf_dir;
-    return vec3_scale(vec3_mul(vec3_mul(vertex->walk.beta, f), connection->incident), 1.0f / pdf);
+    return vec3_scale(vec3_mul(vec3_mul(vertex->walk.beta, f), connection->incident),
+                      vertex->light_share / pdf);
 }
 
 void path_gather(const air_path *path, air_path_scratch *scratch, const air_path_lane *lanes,
@@ -151,7 +152,7 @@ void path_gather(const air_path *path, air_path_scratch *scratch, const air_path
 {
     const air_light_table *lights = &path->snapshot->lights;
     const path_walk *walk = &vertex->walk;
-    if (lights->count == 0) {
+    if (lights->count == 0 || vertex->light_share == 0.0f) {
         return;
     }
     air_light_point drawn;

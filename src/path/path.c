@@ -273,6 +273,8 @@ static void push_surface(const air_path *path, air_path_scratch *scratch, const 
         vertex->walk.first_medium = AIR_NO_MEDIUM;
     }
     vertex->on_surface = true;
+    vertex->ends = false;
+    vertex->light_share = 1.0f;
     vertex->wo = vec3_neg(vec3_load(ray->dir));
     if (path->settings.vertex_hook != NULL) {
         call_hook(path, &scratch->media, lane, vertex, t);
@@ -290,6 +292,8 @@ static path_vertex *push_medium(air_path_scratch *scratch, const path_walk *walk
         vertex->walk.first_medium = AIR_NO_MEDIUM;
     }
     vertex->on_surface = false;
+    vertex->ends = false;
+    vertex->light_share = 1.0f;
     return vertex;
 }
 
@@ -299,7 +303,7 @@ static void place_medium(const air_path *path, path_vertex *vertex, const air_ra
     vertex->wo = vec3_neg(media->dir);
     vertex->at.medium.position = vec3_madd(media->origin, t, media->dir);
     vertex->at.medium.regions = media->segments[segment].regions;
-    if (path->settings.vertex_hook != NULL) {
+    if (path->settings.vertex_hook != NULL && !vertex->ends) {
         call_hook(path, media, lane, vertex, t);
     }
 }
@@ -315,22 +319,55 @@ static bool draw_light(const air_path *path, path_vertex *vertex, const air_path
     return !vertex->at.medium.light.infinite;
 }
 
+static void place_closed(const air_path *path, path_vertex *vertex, const air_ray_media *media,
+                         const path_walk *walk, const air_distance *distance, float weight,
+                         const air_path_lane *lane)
+{
+    vertex->walk.beta = vec3_scale(vec3_mul(walk->beta, distance->weight), weight);
+    place_medium(path, vertex, media, distance->segment, distance->t, lane);
+}
+
+/* A vertex beside another of the same event, at a distance that is equi-angular about its light. */
+static void push_lit(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
+                     float weight, float u, path_vertex *beside, const air_path_lane *lane)
+{
+    path_vertex *lit = push_medium(scratch, walk);
+    air_distance distance;
+    lit->at.medium = beside->at.medium;
+    lit->ends = true;
+    beside->light_share = 0.0f;
+    if (air_distance_sample(&scratch->media, walk->beta, &lit->at.medium.light.position, u,
+                            &distance)) {
+        place_closed(path, lit, &scratch->media, walk, &distance, weight, lane);
+    } else {
+        scratch->vertex_count--;
+    }
+}
+
 /* An event in the media of a closed ray. weight: the probability-compensated share of it that
- * scatters. */
+ * scatters. The walk goes on from a distance drawn by extinction alone: if half of them were drawn
+ * about the light, throughput would double with every event in dense media. Light near enough to be
+ * worth it is asked for there or at a distance of its own, by the balance heuristic. */
 static void scatter_closed(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
                            float weight, float u, const air_path_lane *lane)
 {
     const air_ray_media *media = &scratch->media;
     path_vertex *vertex = push_medium(scratch, walk);
     const bool finite = draw_light(path, vertex, lane);
+    const bool apart = finite && u < AIR_EQUIANGULAR_SHARE;
+    const air_vec3 *light = finite && !apart ? &vertex->at.medium.light.position : NULL;
     air_distance distance;
-    if (!air_distance_sample(media, walk->beta, finite ? &vertex->at.medium.light.position : NULL,
-                             u, &distance)) {
+    if (!air_distance_sample(media, walk->beta, light, apart ? u / AIR_EQUIANGULAR_SHARE : u,
+                             &distance)) {
         scratch->vertex_count--;
         return;
     }
-    vertex->walk.beta = vec3_scale(vec3_mul(walk->beta, distance.weight), weight);
-    place_medium(path, vertex, media, distance.segment, distance.t, lane);
+    vertex->light_share = distance.extinction_share;
+    distance.weight = vec3_scale(distance.weight, 1.0f / distance.extinction_share);
+    place_closed(path, vertex, media, walk, &distance, weight, lane);
+    if (apart) {
+        push_lit(path, scratch, walk, weight, u, vertex, lane);
+    }
 }
 
 static void scatter_tracked(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
@@ -532,6 +569,9 @@ static void leave(const air_path *path, air_path_scratch *scratch, const path_ve
         }
     }
     path_gather(path, scratch, lanes, vertex, &mixture);
+    if (vertex->ends) {
+        return;
+    }
     path_walk walk = vertex->walk;
     if (walk.depth >= path->settings.max_depth && !path->hittable_lights) {
         return;

@@ -6,8 +6,12 @@
 #include "path/path.h"
 
 /* Two walks can start from one camera sample: from the surface it sees, and from the medium before
- * it. */
-enum { AIR_PATH_WALKS = 2 * AIR_PATH_LANES, AIR_NO_MEDIUM = 0xffff };
+ * it. A medium event can have two vertices: one to go on from, one to ask for light at. */
+enum {
+    AIR_PATH_WALKS = 2 * AIR_PATH_LANES,
+    AIR_PATH_VERTICES = 2 * AIR_PATH_WALKS,
+    AIR_NO_MEDIUM = 0xffff
+};
 
 /* What stays the same along a walk, and what changes with each event. */
 typedef struct path_walk {
@@ -22,7 +26,9 @@ typedef struct path_walk {
 typedef struct path_vertex {
     path_walk walk;
     bool on_surface;
-    air_vec3 wo; /* towards where the walk came from */
+    bool ends;         /* light is asked for, the walk goes on elsewhere */
+    float light_share; /* factor on the light asked for */
+    air_vec3 wo;       /* towards where the walk came from */
     union {
         air_surface surface;
         struct {
@@ -49,10 +55,10 @@ struct air_path_scratch {
     air_ray rays[AIR_PATH_WALKS];
     air_hit hits[AIR_PATH_WALKS];
     path_walk walks[AIR_PATH_WALKS];
-    path_vertex vertices[AIR_PATH_WALKS];
-    path_shadow shadows[AIR_PATH_WALKS];
-    air_ray shadow_rays[AIR_PATH_WALKS];
-    uint8_t occluded[AIR_PATH_WALKS];
+    path_vertex vertices[AIR_PATH_VERTICES];
+    path_shadow shadows[AIR_PATH_VERTICES];
+    air_ray shadow_rays[AIR_PATH_VERTICES];
+    uint8_t occluded[AIR_PATH_VERTICES];
     size_t vertex_count, walk_count, shadow_count;
     air_ray_media media; /* along the ray that is looked at */
 };
