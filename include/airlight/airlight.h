@@ -2,12 +2,18 @@
 #ifndef AIRLIGHT_H
 #define AIRLIGHT_H
 
+#include "airlight/collimated.h"
+#include "airlight/collimated_walk.h"
 #include "airlight/context.h"
 #include "airlight/image.h"
+#include "airlight/interval.h"
 #include "airlight/light.h"
 #include "airlight/medium.h"
+#include "airlight/moment.h"
+#include "airlight/point.h"
 #include "airlight/render.h"
 #include "airlight/scene.h"
+#include "airlight/shadow.h"
 #include "airlight/status.h"
 #include "airlight/version.h"
 

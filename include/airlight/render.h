@@ -27,7 +27,12 @@ enum { AIR_TERMS_ALL = 63 };
 /* "S0", "S+", "M1", "M2", "emission", "background". */
 AIR_API const char *air_term_name(air_term term);
 
-typedef enum air_method { AIR_METHOD_PATH = 0, AIR_METHOD_COUNT = 1 } air_method;
+typedef enum air_method {
+    AIR_METHOD_PATH = 0,       /* everything, by unbiased path tracing */
+    AIR_METHOD_COLLIMATED = 1, /* S0 and M1 of collimated lights where all media are convex and of
+                                  constant density */
+    AIR_METHOD_COUNT = 2
+} air_method;
 AIR_API const char *air_method_name(air_method method);
 
 /* The owner of every (light, medium, term). Lights are indexed as the snapshot lists them
@@ -35,17 +40,37 @@ AIR_API const char *air_method_name(air_method method);
  * likewise; surface terms, emission and background use medium index medium_count ("no medium"). */
 typedef struct air_owner_table air_owner_table;
 /* Parses "auto", "METHOD[:MODE]" or "LIGHT=METHOD[:MODE],...". A method that does not apply falls
- * back to path with one warning that says why. */
+ * back to path with one warning that says why. auto: collimated:exact where it applies, else path.
+ * Modes of collimated: exact (the default), rm, ds, wvds, rees, reds, me, me6, me-ideal, me6-ideal
+ * (docs/collimated.md). */
 AIR_API air_status air_owner_table_create(air_context *context, const air_snapshot *snapshot,
                                           const char *methods, air_owner_table **out_table);
 AIR_API void air_owner_table_destroy(air_owner_table *table);
 AIR_API air_method air_owner_table_get(const air_owner_table *table, size_t light, size_t medium,
                                        air_term term);
+/* The mode in which the method of a light works, "" if it has none. Static storage. */
+AIR_API const char *air_owner_table_mode(const air_owner_table *table, size_t light);
 
 /* Everything `airlight info --json` prints, as JSON text: triangles, lights, media with boundary
  * kind, cameras, bounds, units assumed, owner table, warnings. Query with buffer NULL and *size =
  * 0: *size becomes the size needed with the final NUL; then call with a buffer of that size. */
 AIR_API air_status air_snapshot_describe(const air_snapshot *snapshot, char *buffer, size_t *size);
+
+/* How the numbers of one pixel's samples are laid out, for the distances that sampled modes draw.
+ */
+typedef enum air_pattern {
+    AIR_PATTERN_INDEPENDENT = 0,
+    /* Van der Corput's sequence, Owen-scrambled anew for each pixel: of the first 2^m samples, and
+     * of each later run of 2^m that starts at a multiple of it, one falls into each [j, j+1)/2^m.
+     */
+    AIR_PATTERN_STRATIFIED = 1,
+    /* The same sequence moved by one offset xi for each pixel, modulo 1: the first 2^m samples are
+     * {(j + xi')/2^m}, all at the same place of their strata. */
+    AIR_PATTERN_SYSTEMATIC = 2,
+    /* Systematic, with offsets that differ between neighbouring pixels as far as can be: errors
+     * become blue noise across the picture, which the eye and filters average out. */
+    AIR_PATTERN_BLUE_NOISE = 3
+} air_pattern;
 
 typedef enum air_filter {
     AIR_FILTER_BOX = 0,
@@ -92,6 +117,7 @@ typedef struct air_render_params {
     const char *methods; /* see air_owner_table_create; default "auto" */
     air_filter filter;   /* default box */
     float filter_radius; /* pixels, (0, 16]; air_filter_radius_default of the filter */
+    air_pattern pattern; /* default AIR_PATTERN_STRATIFIED */
     double time_limit_s; /* INFINITY: none. Stops after the pass in which it is exceeded */
     size_t tile_size;    /* pixels; has no influence on the result; default 32 */
     bool layers; /* keep the terms apart in the film, for layers; else they share one slot; default

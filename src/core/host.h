@@ -19,7 +19,7 @@ char *air_string_format(air_context *context, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 /* Keeps the sentence as the thread's last error, sends it to the message callback, returns status.
- */
+ * A NULL context hears nothing: kernels do without one. */
 air_status air_fail(air_context *context, air_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 /* air_fail(AIR_ERROR_MEMORY) with "what: out of memory". */

@@ -59,6 +59,9 @@ air_status air_fail(air_context *context, air_status status, const char *format,
 {
     char text[AIR_MESSAGE_SIZE]; /* the arguments may point into the text that is being replaced */
     va_list arguments;
+    if (context == NULL) {
+        return status;
+    }
     va_start(arguments, format);
     format_text(text, format, arguments);
     va_end(arguments);

@@ -1,0 +1,257 @@
+/* shadow_tree.c: making and asking the shadow tree. */
+#include "collimated/shadow_tree.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "collimated/shadow_build.h"
+#include "collimated/shadow_mesh.h"
+#include "core/host.h"
+
+void air_shadow_tree_params_default(air_shadow_tree_params *params)
+{
+    *params = (air_shadow_tree_params){.leaf_size = 8, .max_depth = 12, .covers = true};
+}
+
+/* ---- making ---- */
+
+static air_status check(air_context *context, const air_shadow_tree_params *params)
+{
+    const double *l = params->to_light;
+    const double length = sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]);
+    if (!(fabs(length - 1.0) <= 1e-6)) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "shadow tree: the direction to the light has length %g, expected 1",
+                        length);
+    }
+    if (params->hull == NULL || params->hull_count == 0) {
+        return air_fail(context, AIR_ERROR_ARGUMENT, "shadow tree: the hull has no points");
+    }
+    for (size_t i = 0; i < 3 * params->hull_count; i++) {
+        if (!isfinite(params->hull[i])) {
+            return air_fail(context, AIR_ERROR_ARGUMENT,
+                            "shadow tree: point %zu of the hull is not finite", i / 3);
+        }
+    }
+    if (params->leaf_size < 1 || params->leaf_size > 64 || params->max_depth > SHADOW_DEPTH_MAX) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "shadow tree: leaf size %u, depth %u: expected 1 to 64 and at most %d",
+                        params->leaf_size, params->max_depth, (int)SHADOW_DEPTH_MAX);
+    }
+    return AIR_OK;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Two axes across the light, from the coordinate axis that is most across it. */
+static void make_axes(const double to_light[3], double axes[3][3])
+{
+    const double scale = 1.0 / sqrt(dot(to_light, to_light));
+    int least = 0;
+    for (int k = 0; k < 3; k++) {
+        axes[2][k] = to_light[k] * scale;
+        least = fabs(to_light[k]) < fabs(to_light[least]) ? k : least;
+    }
+    const double *l = axes[2];
+    double length2 = 0.0;
+    for (int k = 0; k < 3; k++) {
+        axes[0][k] = (k == least ? 1.0 : 0.0) - l[least] * l[k];
+        length2 += axes[0][k] * axes[0][k];
+    }
+    for (int k = 0; k < 3; k++) {
+        axes[0][k] /= sqrt(length2);
+    }
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        axes[1][k] = l[i] * axes[0][j] - l[j] * axes[0][i];
+    }
+}
+
+/* Cells are widened by 2e-6 of the domain: ten times the rounding of a point in floats there. */
+static const double pad_share = 2e-6;
+
+static void make_frame(const air_shadow_tree_params *params, shadow_frame *out)
+{
+    double low[3], high[3];
+    make_axes(params->to_light, out->axes);
+    for (int a = 0; a < 3; a++) {
+        low[a] = INFINITY;
+        high[a] = -INFINITY;
+        for (size_t i = 0; i < params->hull_count; i++) {
+            const double at = dot(out->axes[a], params->hull + 3 * i);
+            low[a] = fmin(low[a], at);
+            high[a] = fmax(high[a], at);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        out->centre[k] = 0.0;
+        for (int a = 0; a < 3; a++) {
+            out->centre[k] += out->axes[a][k] * 0.5 * (low[a] + high[a]);
+        }
+    }
+    const double width = fmax(high[0] - low[0], high[1] - low[1]);
+    const double size = fmax(width, 1e-6 * (high[2] - low[2]));
+    out->pad = pad_share * size + 1e-300;
+    out->half[0] = 0.5 * (high[0] - low[0]) + out->pad;
+    out->half[1] = 0.5 * (high[1] - low[1]) + out->pad;
+    out->side = 2.0 * fmax(out->half[0], out->half[1]);
+    out->floor = 0.5 * (low[2] - high[2]) - 1e-6 * (high[2] - low[2] + size);
+}
+
+static shadow_walk *choose_walk(air_cpu cpu)
+{
+    switch (cpu) {
+#if defined(__x86_64__)
+    case AIR_CPU_AVX512:
+        return air_shadow_walk_avx512;
+    case AIR_CPU_AVX2:
+        return air_shadow_walk_avx2;
+    case AIR_CPU_SSE42:
+        return air_shadow_walk_sse42;
+#endif
+    default:
+        return air_shadow_walk_c;
+    }
+}
+
+air_status air_shadow_tree_create(air_context *context, const air_shadow_tree_params *params,
+                                  const air_shadow_mesh *meshes, size_t mesh_count,
+                                  air_shadow_tree **out_tree)
+{
+    shadow_mesh mesh;
+    *out_tree = NULL;
+    air_status status = check(context, params);
+    if (status != AIR_OK) {
+        return status;
+    }
+    air_shadow_tree *tree = air_allocate(context, 1, sizeof *tree);
+    if (tree == NULL) {
+        return air_fail_memory(context, "shadow tree");
+    }
+    tree->context = context;
+    tree->walk = choose_walk(air_context_cpu(context));
+    make_frame(params, &tree->frame);
+    status = air_shadow_mesh_init(context, &tree->frame, meshes, mesh_count, &mesh);
+    if (status == AIR_OK) {
+        status = air_shadow_build(params, &mesh, tree);
+    }
+    air_shadow_mesh_finish(context, &mesh);
+    if (status != AIR_OK) {
+        air_shadow_tree_destroy(tree);
+        return status;
+    }
+    *out_tree = tree;
+    return AIR_OK;
+}
+
+void air_shadow_tree_destroy(air_shadow_tree *tree)
+{
+    if (tree != NULL) {
+        air_free(tree->context, tree->nodes);
+        air_free(tree->context, tree->blocks);
+        air_free(tree->context, tree);
+    }
+}
+
+size_t air_shadow_tree_size(const air_shadow_tree *tree)
+{
+    return sizeof *tree + tree->node_count * sizeof *tree->nodes +
+           tree->block_count * sizeof *tree->blocks;
+}
+
+/* ---- asking ---- */
+
+void air_shadow_list_insert(shadow_list *list, float begin, float end)
+{
+    const double b = (double)begin, e = (double)end;
+    size_t first = list->count; /* the first interval that does not end before [begin, end] */
+    while (first > 0 && list->intervals[first - 1].end >= b) {
+        first--;
+    }
+    size_t stop = first; /* one past the last that touches it */
+    air_interval joined = {b, e};
+    while (stop < list->count && list->intervals[stop].begin <= e) {
+        joined.begin = fmin(joined.begin, list->intervals[stop].begin);
+        joined.end = fmax(joined.end, list->intervals[stop].end);
+        stop++;
+    }
+    if (stop == first && list->count == list->capacity) {
+        list->full = true;
+        return;
+    }
+    memmove(&list->intervals[first + 1], &list->intervals[stop],
+            (list->count - stop) * sizeof *list->intervals);
+    list->intervals[first] = joined;
+    list->count = list->count + 1 - (stop - first);
+}
+
+static float clamped_inverse(double x)
+{
+    return (float)fmin(fmax(1.0 / (x + 0.0), -1e20), 1e20); /* of 0 and -0: 1e20 */
+}
+
+/* Returns the parameter of the point from which the ray's own counts. */
+static double make_ray(const shadow_frame *frame, const double origin[3], const double dir[3],
+                       shadow_ray *out)
+{
+    double o[3], v[3], q[3];
+    for (int k = 0; k < 3; k++) {
+        q[k] = origin[k] - frame->centre[k];
+    }
+    for (int a = 0; a < 3; a++) {
+        o[a] = dot(frame->axes[a], q);
+        v[a] = dot(frame->axes[a], dir);
+    }
+    const double shift = -dot(o, v);
+    for (int a = 0; a < 3; a++) {
+        o[a] += shift * v[a];
+    }
+    double s = sqrt(v[0] * v[0] + v[1] * v[1]), wx = v[0] / s, wy = v[1] / s;
+    if (!(s >= 1e-12)) {
+        s = 1e-12;
+        wx = 1.0;
+        wy = 0.0;
+    }
+    *out = (shadow_ray){.x = (float)o[0],
+                        .y = (float)o[1],
+                        .z = (float)o[2],
+                        .wx = (float)wx,
+                        .wy = (float)wy,
+                        .s = (float)s,
+                        .c = (float)v[2],
+                        .inverse_s = (float)(1.0 / s),
+                        .inverse_c = clamped_inverse((double)(float)v[2]), /* of c's sign */
+                        .qx = (float)(o[0] / frame->side + 0.5),
+                        .qy = (float)(o[1] / frame->side + 0.5),
+                        .inverse_qx = clamped_inverse(s * wx / frame->side),
+                        .inverse_qy = clamped_inverse(s * wy / frame->side),
+                        .right = s * wx / frame->side >= 0.0,
+                        .up = s * wy / frame->side >= 0.0};
+    return shift;
+}
+
+size_t air_shadow_tree_query(const air_shadow_tree *tree, const double origin[3],
+                             const double dir[3], double begin, double end, air_interval *out,
+                             size_t capacity)
+{
+    shadow_ray ray;
+    shadow_list list = {.intervals = out, .capacity = capacity};
+    const double shift = make_ray(&tree->frame, origin, dir, &ray);
+    const double from = begin - shift, to = end - shift;
+    if (!(from < to) || !isfinite(from) || !isfinite(to)) {
+        return 0;
+    }
+    tree->walk(tree, &ray, (float)from, (float)to, &list);
+    if (list.full) {
+        return capacity + 1;
+    }
+    /* Ends that are those of the ray are so to the last bit. */
+    for (size_t i = 0; i < list.count; i++) {
+        out[i].begin = out[i].begin <= (double)(float)from ? begin : out[i].begin + shift;
+        out[i].end = out[i].end >= (double)(float)to ? end : out[i].end + shift;
+    }
+    return list.count;
+}
