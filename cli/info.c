@@ -117,23 +117,97 @@ static void print_array(const json_t *value)
     }
 }
 
-/* The owner table has a row for every light, medium and term: short where one method owns all. */
-static bool print_single_owner(const json_t *owners)
+/* ---- owners: a line for each light, as short as what differs allows ---- */
+
+static bool same_member(const json_t *a, const json_t *b, const char *key)
 {
-    const json_t *const method = json_object_get(json_array_get(owners, 0), "method");
-    size_t index;
-    json_t *row;
-    json_array_foreach(owners, index, row)
+    const json_t *const x = json_object_get(a, key), *const y = json_object_get(b, key);
+    return x == y || json_equal(x, y);
+}
+
+static bool same_owner(const json_t *a, const json_t *b)
+{
+    return same_member(a, b, "method") && same_member(a, b, "mode");
+}
+
+/* The first row before `limit` that agrees with it in light and owner, and, unless any_term, in the
+ * term; `limit` if there is none. */
+static size_t first_alike(const json_t *owners, size_t limit, bool any_term)
+{
+    const json_t *const row = json_array_get(owners, limit);
+    for (size_t i = 0; i < limit; i++) {
+        const json_t *const other = json_array_get(owners, i);
+        if (same_member(row, other, "light") && same_owner(row, other) &&
+            (any_term || same_member(row, other, "term"))) {
+            return i;
+        }
+    }
+    return limit;
+}
+
+static void print_owner(const json_t *row)
+{
+    const char *const mode = json_string_value(json_object_get(row, "mode"));
+    printf(" %s%s%s", json_string_value(json_object_get(row, "method")), mode != NULL ? ":" : "",
+           mode != NULL ? mode : "");
+}
+
+/* "METHOD of TERM, TERM": the terms of one light that the owner of row i has. */
+static void print_share(const json_t *owners, size_t i)
+{
+    const json_t *const row = json_array_get(owners, i);
+    const char *before = " of ";
+    size_t k;
+    json_t *other;
+    print_owner(row);
+    json_array_foreach(owners, k, other)
     {
-        if (!json_equal(json_object_get(row, "method"), method)) {
+        if (same_member(row, other, "light") && same_owner(row, other) &&
+            first_alike(owners, k, false) == k) {
+            printf("%s%s", before, json_string_value(json_object_get(other, "term")));
+            before = ", ";
+        }
+    }
+}
+
+static bool single_owner(const json_t *owners)
+{
+    size_t i;
+    json_t *row;
+    json_array_foreach(owners, i, row)
+    {
+        if (!same_owner(row, json_array_get(owners, 0))) {
             return false;
         }
     }
-    if (!json_is_string(method)) {
-        return false;
+    return json_array_size(owners) > 0;
+}
+
+static void print_owners(const json_t *owners)
+{
+    const json_t *light = NULL;
+    size_t i;
+    json_t *row;
+    printf("owners:");
+    if (single_owner(owners)) {
+        print_owner(json_array_get(owners, 0));
+        printf(" of every light, medium and term\n");
+        return;
     }
-    printf("owners: %s of every light, medium and term\n", json_string_value(method));
-    return true;
+    json_array_foreach(owners, i, row)
+    {
+        if (first_alike(owners, i, true) != i) {
+            continue;
+        }
+        if (light == NULL || !json_equal(light, json_object_get(row, "light"))) {
+            light = json_object_get(row, "light");
+            printf("\n  \"%s\":", json_string_value(light));
+        } else {
+            putchar(';');
+        }
+        print_share(owners, i);
+    }
+    putchar('\n');
 }
 
 /* One entry of the top level: a line, or a heading with a line for each member. */
@@ -141,7 +215,8 @@ static void print_entry(const char *key, const json_t *value)
 {
     const char *member;
     json_t *item;
-    if (strcmp(key, "owners") == 0 && print_single_owner(value)) {
+    if (strcmp(key, "owners") == 0 && json_array_size(value) > 0) {
+        print_owners(value);
         return;
     }
     printf("%s:", key);

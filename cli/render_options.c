@@ -19,9 +19,11 @@ static const struct {
 } qualities[] = {{16, 8}, {64, 32}, {512, UINT32_MAX}};
 enum { QUALITY_MEDIUM = 1 };
 
-/* In the order of air_term and air_filter. */
+/* In the order of air_term, air_filter and air_pattern. */
 static const char *const term_names[] = {"S0", "S+", "M1", "M2", "emission", "background", NULL};
 static const char *const filter_names[] = {"box", "point", "tent", "gaussian", NULL};
+static const char *const pattern_names[] = {"independent", "stratified", "systematic", "blue-noise",
+                                            NULL};
 
 static const cli_option sampling_options[] = {
     {.name = "quality",
@@ -71,6 +73,13 @@ static const cli_option sampling_options[] = {
      .offset = offsetof(cli_render_options, max_depth),
      .help = "Most events on a path, surfaces and media together; 1 is direct light and single "
              "scattering."},
+    {.name = "pattern",
+     .kind = CLI_CHOICE,
+     .value = "PATTERN",
+     .choices = pattern_names,
+     .offset = offsetof(cli_render_options, pattern),
+     .help = "Distances that collimated:rm to :reds draw: independent, stratified, systematic or "
+             "blue-noise; default stratified."},
     {.name = "filter",
      .kind = CLI_CHOICE,
      .value = "FILTER",
@@ -101,7 +110,9 @@ static const cli_option light_options[] = {
      .kind = CLI_TEXT,
      .value = "METHOD",
      .offset = offsetof(cli_render_options, method),
-     .help = "auto, METHOD[:MODE], or LIGHT=METHOD[:MODE],...; default auto. Methods: path."},
+     .help = "auto, METHOD[:MODE], or LIGHT=METHOD[:MODE],...; default auto. Methods: path; "
+             "collimated (suns and beams in convex homogeneous media) with modes exact, rm, ds, "
+             "wvds, rees, reds, me, me6, me-ideal, me6-ideal."},
     {.name = "terms",
      .kind = CLI_SET,
      .value = "LIST",
@@ -325,6 +336,9 @@ cli_exit cli_render_params(cli_host *host, const cli_render_options *options,
     params->seed = options->seed.value;
     params->filter = (air_filter)options->filter.value;
     params->filter_radius = air_filter_radius_default(params->filter);
+    if (options->pattern.set) {
+        params->pattern = (air_pattern)options->pattern.value;
+    }
     if (options->method != NULL) {
         params->methods = options->method;
     }

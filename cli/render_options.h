@@ -8,7 +8,7 @@
 #include "scene_options.h"
 
 typedef struct cli_render_options {
-    cli_count quality, spp, seed, max_depth, filter, variance, tile_size;
+    cli_count quality, spp, seed, max_depth, filter, pattern, variance, tile_size;
     cli_counts samples;
     cli_real time, write_partial;
     cli_count terms;

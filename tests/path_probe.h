@@ -84,7 +84,7 @@ static inline probe_result probe_run(const air_snapshot *snapshot, const probe *
     assert_non_null(sobol);
     assert_non_null(scratch);
     air_sobol_init(sobol);
-    air_path_init(&path, snapshot, sobol, &settings);
+    assert_int_equal(air_path_init(&path, snapshot, sobol, &settings), AIR_OK);
     for (uint32_t r = 0; r < p->replicates; r++) {
         double sum[AIR_TERM_COUNT][3] = {{0.0}}, beauty[3] = {0.0, 0.0, 0.0};
         probe_replicate(&path, sobol, p, scratch, r, sum);
@@ -103,6 +103,7 @@ static inline probe_result probe_run(const air_snapshot *snapshot, const probe *
         const double variance = fmax(squares[c] - out.mean[c] * out.mean[c], 0.0);
         out.error[c] = sqrt(variance / (p->replicates - 1));
     }
+    air_path_finish(&path);
     free(sobol);
     free(scratch);
     return out;

@@ -135,11 +135,11 @@ static void terms_sum_to_beauty_and_a_ratio_divides_its_sums(void **state)
     memset(&description, 0, sizeof description);
     description.width = description.height = description.crop[2] = description.crop[3] = 1;
     air_film_layout_add(&description.layout, AIR_SLOT_TERM, "S0", 3);
-    air_film_layout_add(&description.layout, AIR_SLOT_RATIO, "M1", 9);
+    air_film_layout_add(&description.layout, AIR_SLOT_RATIO, "M1", 12);
     air_film_layout_add(&description.layout, AIR_SLOT_GUIDE, "depth", 1);
     assert_int_equal(air_film_create(context, &description, &film), AIR_OK);
     assert_int_equal(air_film_node_create(film, 0, 16, &node), AIR_OK);
-    const double sums[13] = {16,
+    const double sums[16] = {16,
                              32,
                              48,
                              /* analytic */ 8,
@@ -151,12 +151,16 @@ static void terms_sum_to_beauty_and_a_ratio_divides_its_sums(void **state)
                              /* occluded */ 1,
                              3,
                              0,
+                             /* plain */ 0,
+                             8,
+                             4,
                              /* depth */ 80};
     memcpy(node.sums, sums, sizeof sums);
     assert_int_equal(air_film_add(film, &node), AIR_OK);
     assert_int_equal(air_film_resolve(film, NULL, &image), AIR_OK);
     assert_int_equal(air_image_channel_count(image), 10);
-    const float expected[10] = {1.125f, 2.375f, 3.0f, 1.0f, 2.0f, 3.0f, 0.125f, 0.375f, 0.0f, 5.0f};
+    const float expected[10] = {1.125f, 2.875f, 3.25f,  1.0f,  2.0f,
+                                3.0f,   0.125f, 0.875f, 0.25f, 5.0f};
     for (size_t c = 0; c < 10; c++) {
         assert_float_equal(air_image_plane(image, c)[0], expected[c], 0.0f);
     }

@@ -64,7 +64,7 @@ static air_snapshot *boxes(bool grey, bool exponential)
 enum { BINS = 48, SAMPLES = 60000, STEPS = 400 };
 
 /* Expected counts by the midpoint rule over each bin; returns the integral of the density. */
-static double expect(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light,
+static double expect(const air_ray_media *ray, air_vec3 throughput, const air_distance_guide *guide,
                      double t0, double t1, double expected[BINS])
 {
     double total = 0.0;
@@ -72,7 +72,7 @@ static double expect(const air_ray_media *ray, air_vec3 throughput, const air_ve
         double sum = 0.0;
         for (int i = 0; i < STEPS; i++) {
             const double t = t0 + (t1 - t0) * (b + (i + 0.5) / STEPS) / BINS;
-            sum += (double)air_distance_sample_pdf(ray, throughput, light, (float)t);
+            sum += (double)air_distance_sample_pdf(ray, throughput, guide, (float)t);
         }
         expected[b] = sum / STEPS * (t1 - t0) / BINS * SAMPLES;
         total += expected[b] / SAMPLES;
@@ -89,17 +89,19 @@ static void check(const air_snapshot *snapshot, const air_vec3 *light, air_vec3 
     air_ray_media_make(&ray, &snapshot->media, vec3(0.0f, 0.1f, 0.0f), dir, 20.0f);
     assert_true(ray.closed && ray.count >= 4);
     const double t0 = (double)ray.segments[0].t0, t1 = (double)ray.segments[ray.count - 1].t1;
-    const double total = expect(&ray, throughput, light, t0, t1, expected);
+    const air_distance_guide about = {.point = light, .share = 0.5f};
+    const air_distance_guide *guide = light != NULL ? &about : NULL;
+    const double total = expect(&ray, throughput, guide, t0, t1, expected);
     double missed = 0.0;
     for (int i = 0; i < SAMPLES; i++) {
         air_distance d;
-        if (!air_distance_sample(&ray, throughput, light, air_rng_float(&rng), &d)) {
+        if (!air_distance_sample(&ray, throughput, guide, air_rng_float(&rng), &d)) {
             missed += 1.0;
             continue;
         }
         const int bin = (int)(((double)d.t - t0) / (t1 - t0) * BINS);
         observed[bin < 0 ? 0 : bin < BINS ? bin : BINS - 1] += 1.0;
-        const float pdf = air_distance_sample_pdf(&ray, throughput, light, d.t);
+        const float pdf = air_distance_sample_pdf(&ray, throughput, guide, d.t);
         const float transmittance = expf(-air_ray_media_depth(&ray, d.t).y);
         assert_float_equal(d.weight.y * pdf, transmittance, 2e-4f * transmittance);
     }
@@ -156,10 +158,11 @@ static void equiangular_samples_follow_their_density(void **state)
     air_scene_destroy(scene);
     air_ray_media_make(&ray, &snapshot->media, vec3(0.0f, 0.0f, 0.0f), vec3(1.0f, 0.0f, 0.0f),
                        INFINITY);
-    assert_true(fabs(expect(&ray, white, &light, 1.0, 3.0, expected) - 1.0) < 1e-4);
+    const air_distance_guide guide = {.point = &light, .share = 0.5f};
+    assert_true(fabs(expect(&ray, white, &guide, 1.0, 3.0, expected) - 1.0) < 1e-4);
     for (int i = 0; i < SAMPLES; i++) {
         air_distance d;
-        if (air_distance_sample(&ray, white, &light, air_rng_float(&rng), &d)) {
+        if (air_distance_sample(&ray, white, &guide, air_rng_float(&rng), &d)) {
             const int bin = (int)((d.t - 1.0f) * 0.5f * BINS);
             observed[bin < 0 ? 0 : bin < BINS ? bin : BINS - 1] += 1.0;
         }

@@ -12,10 +12,10 @@
 enum { AIR_FILM_BLOCK = 16, AIR_FILM_MAX_SLOTS = 32, AIR_FILM_NAME = 16, AIR_FILM_MAX_LEVELS = 32 };
 
 typedef enum air_slot_kind {
-    AIR_SLOT_TERM = 0, /* 3 sums, part of beauty, a layer */
-    AIR_SLOT_RATIO =
-        1, /* analytic, unoccluded, occluded: 3 sums each; resolves to A/n * O/U, part of beauty */
-    AIR_SLOT_GUIDE = 2,  /* sums, not part of beauty */
+    AIR_SLOT_TERM = 0,  /* 3 sums, part of beauty, a layer */
+    AIR_SLOT_RATIO = 1, /* analytic, unoccluded, occluded, plain: 3 sums each; resolves to A/n * O/U
+                           + P/n, part of beauty, a layer */
+    AIR_SLOT_GUIDE = 2, /* sums, not part of beauty */
     AIR_SLOT_SQUARES = 3 /* 3 sums over replicates of the squared sum of beauty */
 } air_slot_kind;
 
@@ -32,9 +32,17 @@ typedef struct air_film_layout {
     uint32_t stride; /* doubles per pixel */
 } air_film_layout;
 
-/* Appends a slot. components: 3 for terms and squares, 9 for ratios. */
+/* Appends a slot. components: 3 for terms and squares, 12 for ratios. */
 void air_film_layout_add(air_film_layout *layout, air_slot_kind kind, const char *name,
                          uint32_t components);
+
+/* What the twelve sums of a ratio slot come to, before division by n: A O/U + P of one component.
+ */
+static inline double air_ratio_total(const double *sums, uint32_t component)
+{
+    const double *s = sums + component;
+    return s[9] + (s[3] != 0.0 ? s[0] * (s[6] / s[3]) : 0.0);
+}
 
 typedef struct air_film_node {
     uint32_t begin, end; /* samples */

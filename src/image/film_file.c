@@ -136,7 +136,7 @@ static air_status take_slots(byte_reader *reader, uint32_t count, air_film_layou
             return status;
         }
         const bool fits = kind <= AIR_SLOT_SQUARES &&
-                          (kind == AIR_SLOT_RATIO   ? components == 9
+                          (kind == AIR_SLOT_RATIO   ? components == 12
                            : kind == AIR_SLOT_GUIDE ? components == 1 || components == 3
                                                     : components == 3);
         if (!fits || name[AIR_FILM_NAME - 1] != '\0' || name[0] == '\0') {

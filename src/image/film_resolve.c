@@ -89,7 +89,7 @@ static double mean(const air_film_slot *slot, const double *sums, uint32_t c, do
 {
     const double *s = sums + slot->offset;
     if (slot->kind == AIR_SLOT_RATIO) {
-        return s[3 + c] != 0.0 ? s[c] / count * (s[6 + c] / s[3 + c]) : 0.0;
+        return air_ratio_total(s, c) / count;
     }
     return s[c] / count;
 }

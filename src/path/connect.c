@@ -7,8 +7,7 @@ enum { MAX_LAYERS = 64 };
 
 static void step_behind(air_ray *ray, float t) { ray->tmin = t + fmaxf(t * 1e-5f, 1e-6f); }
 
-/* The product of 1 - alpha over the MASK and BLEND surfaces in the way. */
-static float alpha_transmittance(const air_path *path, const air_ray *shadow_ray)
+float air_path_alpha_transmittance(const air_path *path, const air_ray *shadow_ray)
 {
     air_ray ray = *shadow_ray;
     float product = 1.0f;
@@ -54,7 +53,7 @@ void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane
             continue;
         }
         if (snapshot->has_alpha && ray->mask != 0) {
-            value = vec3_scale(value, alpha_transmittance(path, ray));
+            value = vec3_scale(value, air_path_alpha_transmittance(path, ray));
         }
         if (shadow->tracked && !vec3_is_zero(value)) {
             value = vec3_mul(

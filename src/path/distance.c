@@ -85,33 +85,64 @@ static float sample_extinction(const air_ray_media *ray, air_vec3 shares, float 
     return air_ray_media_invert(ray, channel, depth, segment);
 }
 
-bool air_distance_sample(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light,
-                         float u, air_distance *out)
+/* ---- both together ---- */
+
+/* The guide, ready to be drawn from: nothing where its light lies on the ray. */
+typedef struct guide_state {
+    const air_distance_guide *guide;
+    bool usable;
+    equiangular angular;
+} guide_state;
+
+static guide_state guide_make(const air_ray_media *ray, const air_distance_guide *guide)
+{
+    guide_state state = {.guide = guide, .usable = guide != NULL};
+    if (guide != NULL && guide->profile == NULL) {
+        state.usable = equiangular_make(ray, *guide->point, &state.angular);
+    }
+    return state;
+}
+
+static float guide_pdf(const guide_state *state, float t)
+{
+    if (!state->usable) {
+        return 0.0f;
+    }
+    return state->guide->profile != NULL
+               ? (float)air_collimated_sample_pdf(state->guide->profile, (double)t)
+               : equiangular_pdf(&state->angular, t);
+}
+
+static float guide_sample(const guide_state *state, float u)
+{
+    const equiangular *e = &state->angular;
+    if (state->guide->profile != NULL) {
+        return (float)air_collimated_sample(state->guide->profile, (double)u);
+    }
+    return e->delta + e->distance * tanf(e->theta_a + u * (e->theta_b - e->theta_a));
+}
+
+bool air_distance_sample(const air_ray_media *ray, air_vec3 throughput,
+                         const air_distance_guide *guide, float u, air_distance *out)
 {
     const air_vec3 shares = channel_shares(ray, throughput);
-    equiangular e;
-    const bool two = light != NULL;
-    const bool angular = two && equiangular_make(ray, *light, &e);
-    if (two && u < AIR_EQUIANGULAR_SHARE) {
-        if (!angular) {
+    const guide_state state = guide_make(ray, guide);
+    const float share = guide != NULL ? guide->share : 0.0f;
+    if (u < share) {
+        if (!state.usable) {
             return false;
         }
-        const float theta = e.theta_a + (u / AIR_EQUIANGULAR_SHARE) * (e.theta_b - e.theta_a);
-        out->t = e.delta + e.distance * tanf(theta);
+        out->t = guide_sample(&state, u / share);
         out->segment = air_ray_media_find(ray, out->t);
         if (out->segment == ray->count) {
             return false;
         }
     } else {
-        const float rest = two ? (u - AIR_EQUIANGULAR_SHARE) / (1.0f - AIR_EQUIANGULAR_SHARE) : u;
-        out->t = sample_extinction(ray, shares, rest, &out->segment);
+        out->t = sample_extinction(ray, shares, (u - share) / (1.0f - share), &out->segment);
     }
     air_vec3 transmittance;
     const float extinction = extinction_pdf(ray, shares, out->segment, out->t, &transmittance);
-    float pdf = two ? (1.0f - AIR_EQUIANGULAR_SHARE) * extinction : extinction;
-    if (angular) {
-        pdf += AIR_EQUIANGULAR_SHARE * equiangular_pdf(&e, out->t);
-    }
+    const float pdf = share * guide_pdf(&state, out->t) + (1.0f - share) * extinction;
     if (!(pdf > 0.0f)) {
         return false;
     }
@@ -120,19 +151,16 @@ bool air_distance_sample(const air_ray_media *ray, air_vec3 throughput, const ai
     return true;
 }
 
-float air_distance_sample_pdf(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light,
-                              float t)
+float air_distance_sample_pdf(const air_ray_media *ray, air_vec3 throughput,
+                              const air_distance_guide *guide, float t)
 {
     const size_t segment = air_ray_media_find(ray, t);
-    equiangular e;
-    const float angular =
-        light != NULL && equiangular_make(ray, *light, &e) ? equiangular_pdf(&e, t) : 0.0f;
+    const guide_state state = guide_make(ray, guide);
+    const float share = guide != NULL ? guide->share : 0.0f;
     air_vec3 transmittance;
     const float extinction =
         segment == ray->count
             ? 0.0f
             : extinction_pdf(ray, channel_shares(ray, throughput), segment, t, &transmittance);
-    return light != NULL
-               ? AIR_EQUIANGULAR_SHARE * angular + (1.0f - AIR_EQUIANGULAR_SHARE) * extinction
-               : extinction;
+    return share * guide_pdf(&state, t) + (1.0f - share) * extinction;
 }

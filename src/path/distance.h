@@ -2,14 +2,21 @@
  *
  * Two techniques, combined by the one-sample balance heuristic: in proportion to extinction times
  * transmittance (of a channel chosen by throughput, all three entering the density), truncated to
- * the ray; and equi-angular about a point on a light [Kulla2012]. */
+ * the ray; and one that follows the light that will be asked for: equi-angular about a point on it
+ * [Kulla2012], or, for a light from infinity, in proportion to what it would send along the ray if
+ * nothing were in between (whole-volume sampling, [Velinov2021]). */
 #ifndef AIR_PATH_DISTANCE_H
 #define AIR_PATH_DISTANCE_H
 
+#include "airlight/collimated.h"
 #include "path/ray_media.h"
 
-/* Share of the samples that are equi-angular where a light offers a point: those of u below it. */
-#define AIR_EQUIANGULAR_SHARE 0.5f
+/* What a light offers for distances to follow: one of the two. */
+typedef struct air_distance_guide {
+    const air_vec3 *point;                 /* on the light */
+    const air_collimated_profile *profile; /* along this ray, not empty */
+    float share; /* of the samples that follow the light: those of u below it; in (0, 1] */
+} air_distance_guide;
 
 typedef struct air_distance {
     float t;
@@ -22,15 +29,14 @@ typedef struct air_distance {
  * throughput has them. */
 float air_distance_event_probability(const air_ray_media *ray, air_vec3 throughput);
 
-/* u in [0,1). light: a point to be equi-angular about, or NULL. The ray must be closed and its
- * optical depth positive. False if the
- * sampled point holds no medium, or if the equi-angular technique was asked for and the light lies
- * on the ray. */
-bool air_distance_sample(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light,
-                         float u, air_distance *out);
+/* u in [0,1). guide: NULL for extinction alone. The ray must be closed and its optical depth
+ * positive. False if the sampled point holds no medium, or if the equi-angular technique was asked
+ * for and the light lies on the ray. */
+bool air_distance_sample(const air_ray_media *ray, air_vec3 throughput,
+                         const air_distance_guide *guide, float u, air_distance *out);
 
 /* Density of air_distance_sample at t. */
-float air_distance_sample_pdf(const air_ray_media *ray, air_vec3 throughput, const air_vec3 *light,
-                              float t);
+float air_distance_sample_pdf(const air_ray_media *ray, air_vec3 throughput,
+                              const air_distance_guide *guide, float t);
 
 #endif

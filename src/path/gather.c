@@ -119,7 +119,7 @@ static air_ray shadow_ray(const path_vertex *vertex, const air_connection *conne
 void path_draw_light(const air_path *path, const air_path_lane *lane, const path_walk *walk,
                      air_light_point *out_point, float *out_probability)
 {
-    const air_light_table *lights = &path->snapshot->lights;
+    const air_light_table *lights = path_lights(path, walk->depth);
     const bool first_in_medium = walk->depth == 1 && walk->branch == 1;
     air_f32x4 u = {0.0f, 0.0f, 0.0f, 0.0f};
     float rest;
@@ -150,8 +150,8 @@ static air_vec3 connection_value(const air_path *path, const path_vertex *vertex
 void path_gather(const air_path *path, air_path_scratch *scratch, const air_path_lane *lanes,
                  const path_vertex *vertex, const path_mixture *mixture)
 {
-    const air_light_table *lights = &path->snapshot->lights;
     const path_walk *walk = &vertex->walk;
+    const air_light_table *lights = path_lights(path, walk->depth);
     if (lights->count == 0 || vertex->light_share == 0.0f) {
         return;
     }

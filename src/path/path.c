@@ -20,17 +20,95 @@ static bool any_emission(const air_snapshot *snapshot)
     return snapshot->lights.environment_count > 0 || snapshot->lights.visible_accelerator != NULL;
 }
 
-void air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol *sobol,
-                   const air_path_settings *settings)
+/* ---- what is path's to compute ---- */
+
+/* Does path own the term of this light in some medium, or in none? */
+static bool owns(const air_path_settings *settings, size_t media_count, size_t owner, air_term term)
 {
+    for (size_t m = 0; settings->wanted != NULL && m <= media_count; m++) {
+        if (settings->wanted[(owner * (media_count + 1) + m) * AIR_TERM_COUNT + term] != 0) {
+            return true;
+        }
+    }
+    return settings->wanted == NULL;
+}
+
+static bool owns_first(const air_path *path, size_t entry)
+{
+    const size_t owner = path->snapshot->lights.entries[entry].owner;
+    const size_t media = path->snapshot->media.count;
+    return owns(&path->settings, media, owner, AIR_TERM_S0) ||
+           owns(&path->settings, media, owner, AIR_TERM_M1);
+}
+
+/* Leaves out the terms of light that other methods own altogether, and events that would then give
+ * nothing. */
+static void narrow_terms(air_path *path)
+{
+    const air_snapshot *snapshot = path->snapshot;
     const uint32_t deep = (1u << AIR_TERM_S_PLUS) | (1u << AIR_TERM_M2);
+    const uint32_t first = (1u << AIR_TERM_S0) | (1u << AIR_TERM_M1);
+    air_path_settings *settings = &path->settings;
+    for (unsigned term = AIR_TERM_S0; term <= AIR_TERM_M2; term++) {
+        bool owned = snapshot->lights.owner_count == 0 || path->emissive_media;
+        for (size_t owner = 0; owner < snapshot->lights.owner_count; owner++) {
+            owned = owned || owns(settings, snapshot->media.count, owner, (air_term)term);
+        }
+        if (!owned) {
+            settings->terms &= ~(1u << term);
+        }
+    }
+    if (settings->max_depth <= 1) {
+        settings->terms &= ~deep;
+    }
+    if ((settings->terms & deep) == 0 && settings->max_depth > 1) {
+        settings->max_depth = 1;
+    }
+    if ((settings->terms & (deep | first)) == 0) {
+        settings->max_depth = 0;
+    }
+}
+
+/* A cumulative distribution over the lights that path is asked for at first events. */
+static air_status choose_first_lights(air_path *path)
+{
+    const air_light_table *lights = &path->snapshot->lights;
+    size_t owned = 0;
+    float total = 0.0f, sum = 0.0f;
+    path->first_lights = *lights;
+    for (size_t i = 0; i < lights->count; i++) {
+        if (owns_first(path, i)) {
+            total += air_light_pick_probability(lights, (uint32_t)i);
+            owned++;
+        }
+    }
+    if (owned == lights->count) {
+        return AIR_OK;
+    }
+    if (!(total > 0.0f)) {
+        path->first_lights.count = 0;
+        return AIR_OK;
+    }
+    path->first_cdf = air_allocate(path->snapshot->context, lights->count, sizeof(float));
+    if (path->first_cdf == NULL) {
+        return air_fail_memory(path->snapshot->context, "lights");
+    }
+    for (size_t i = 0; i < lights->count; i++) {
+        sum += owns_first(path, i) ? air_light_pick_probability(lights, (uint32_t)i) : 0.0f;
+        path->first_cdf[i] = sum / total;
+    }
+    path->first_lights.cdf = path->first_cdf;
+    return AIR_OK;
+}
+
+air_status air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol *sobol,
+                         const air_path_settings *settings)
+{
     path->snapshot = snapshot;
     path->rays = air_context_ray_backend(snapshot->context);
     path->sobol = sobol;
     path->settings = *settings;
-    if ((settings->terms & deep) == 0 && settings->max_depth > 1) {
-        path->settings.max_depth = 1;
-    }
+    path->first_cdf = NULL;
     path->emissive_media = false;
     for (size_t i = 0; i < snapshot->media.count; i++) {
         path->emissive_media =
@@ -48,6 +126,22 @@ void air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol
             path->extended_lights || kind == AIR_LIGHT_POLYGON || kind == AIR_LIGHT_ENVIRONMENT;
     }
     path->hittable_lights = path->emissive_media || any_emission(snapshot);
+    const air_media *media = &snapshot->media;
+    path->whole_volume = media->region_count == 1 && media->all_constant &&
+                         media->regions[0].kind == AIR_REGION_CONVEX;
+    if (path->whole_volume) {
+        air_region_planes(&media->regions[0], &path->volume);
+    }
+    narrow_terms(path);
+    return choose_first_lights(path);
+}
+
+void air_path_finish(air_path *path)
+{
+    if (path->snapshot != NULL) {
+        air_free(path->snapshot->context, path->first_cdf);
+        path->first_cdf = NULL;
+    }
 }
 
 /* A stream for one purpose of the ray under way. The camera's ray has one of its own: a tracked ray
@@ -69,7 +163,9 @@ static float hit_weight(const air_path *path, const path_walk *walk, uint32_t en
     if (!path_hittable(path, entry)) {
         return 0.0f; /* all of it comes by next-event estimation */
     }
-    const float pdf = pdf_light * air_light_pick_probability(&path->snapshot->lights, entry);
+    const air_light_table *lights = path_lights(path, walk->depth);
+    const float pdf =
+        lights->count > 0 ? pdf_light * air_light_pick_probability(lights, entry) : 0.0f;
     return walk->pdf_dir / (walk->pdf_dir + pdf);
 }
 
@@ -308,15 +404,71 @@ static void place_medium(const air_path *path, path_vertex *vertex, const air_ra
     }
 }
 
-/* Draws the light of a medium event before its distance, so that the distance can follow it. */
+/* Draws the light of a medium event before its distance, so that the distance can follow it. False
+ * if there is none to be asked. */
 static bool draw_light(const air_path *path, path_vertex *vertex, const air_path_lane *lane)
 {
-    if (path->snapshot->lights.count == 0) {
+    if (path_lights(path, vertex->walk.depth)->count == 0) {
         return false;
     }
     path_draw_light(path, lane, &vertex->walk, &vertex->at.medium.light,
                     &vertex->at.medium.light_probability);
-    return !vertex->at.medium.light.infinite;
+    return true;
+}
+
+/* What a light from infinity would send along the ray under way, through its windows, if nothing
+ * were in between; NULL if nothing. */
+static const air_collimated_profile *light_profile(const air_path *path, air_path_scratch *scratch,
+                                                   const air_light_point *point)
+{
+    enum { CAPACITY = AIR_COLLIMATED_MAX_PIECES + PATH_MOST_WINDOWS };
+    const air_ray_media *media = &scratch->media;
+    const air_light *light = &path->snapshot->lights.entries[point->entry];
+    const air_ray_segment *segment = &media->segments[0];
+    const air_vec3 o = media->origin, v = media->dir, l = point->dir;
+    const double origin[3] = {(double)o.x, (double)o.y, (double)o.z};
+    const double dir[3] = {(double)v.x, (double)v.y, (double)v.z};
+    const double to_light[3] = {(double)l.x, (double)l.y, (double)l.z};
+    air_collimated_profile *profile = &scratch->profile;
+    *profile = (air_collimated_profile){.pieces = scratch->pieces[0], .capacity = CAPACITY};
+    air_collimated_profile_make(&path->volume, to_light, (double)vec3_mean(segment->sigma_t),
+                                origin, dir, (double)segment->t1, profile);
+    if (light->window_count > 0 && profile->count > 0) {
+        const air_collimated_profile whole = *profile;
+        const size_t open = air_light_open_stretches(light, origin, dir, scratch->windows);
+        profile->pieces = scratch->pieces[1];
+        air_collimated_profile_restrict(&whole, scratch->windows, open, profile);
+    }
+    return profile->count > 0 ? profile : NULL;
+}
+
+/* Shares of the samples that follow the light; the rest is drawn by extinction. What a light from
+ * infinity sends through media of one extinction in all channels is followed exactly. Only first
+ * events follow it: the noise of later ones lies elsewhere (docs/decisions.md). */
+#define EQUIANGULAR_SHARE        0.5f
+#define WHOLE_VOLUME_SHARE_GREY  1.0f
+#define WHOLE_VOLUME_SHARE_COLOR 0.5f
+
+typedef enum light_use { LIGHT_NONE, LIGHT_ASKED, LIGHT_FOLLOWED } light_use;
+
+/* How the vertex's light is used along this ray. */
+static light_use use_light(const air_path *path, air_path_scratch *scratch,
+                           const path_vertex *vertex, air_distance_guide *guide)
+{
+    const air_light_point *light = &vertex->at.medium.light;
+    const air_light *entry = &path->snapshot->lights.entries[light->entry];
+    *guide = (air_distance_guide){.point = &light->position, .share = EQUIANGULAR_SHARE};
+    if (!light->infinite) {
+        return LIGHT_FOLLOWED;
+    }
+    if (!light->delta || !path->whole_volume || vertex->walk.depth > 1 ||
+        air_light_window_limit(entry) > PATH_MOST_WINDOWS) {
+        return LIGHT_ASKED;
+    }
+    guide->point = NULL;
+    guide->profile = light_profile(path, scratch, light);
+    guide->share = scratch->media.grey ? WHOLE_VOLUME_SHARE_GREY : WHOLE_VOLUME_SHARE_COLOR;
+    return guide->profile != NULL ? LIGHT_FOLLOWED : LIGHT_NONE;
 }
 
 static void place_closed(const air_path *path, path_vertex *vertex, const air_ray_media *media,
@@ -327,17 +479,17 @@ static void place_closed(const air_path *path, path_vertex *vertex, const air_ra
     place_medium(path, vertex, media, distance->segment, distance->t, lane);
 }
 
-/* A vertex beside another of the same event, at a distance that is equi-angular about its light. */
+/* A vertex beside another of the same event, at a distance that follows its light. */
 static void push_lit(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
-                     float weight, float u, path_vertex *beside, const air_path_lane *lane)
+                     float weight, const air_distance_guide *guide, float u, path_vertex *beside,
+                     const air_path_lane *lane)
 {
     path_vertex *lit = push_medium(scratch, walk);
     air_distance distance;
     lit->at.medium = beside->at.medium;
     lit->ends = true;
     beside->light_share = 0.0f;
-    if (air_distance_sample(&scratch->media, walk->beta, &lit->at.medium.light.position, u,
-                            &distance)) {
+    if (air_distance_sample(&scratch->media, walk->beta, guide, u, &distance)) {
         place_closed(path, lit, &scratch->media, walk, &distance, weight, lane);
     } else {
         scratch->vertex_count--;
@@ -346,27 +498,28 @@ static void push_lit(const air_path *path, air_path_scratch *scratch, const path
 
 /* An event in the media of a closed ray. weight: the probability-compensated share of it that
  * scatters. The walk goes on from a distance drawn by extinction alone: if half of them were drawn
- * about the light, throughput would double with every event in dense media. Light near enough to be
- * worth it is asked for there or at a distance of its own, by the balance heuristic. */
+ * about the light, throughput would double with every event in dense media. Light worth following
+ * is asked for there or at a distance of its own, by the balance heuristic. */
 static void scatter_closed(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
                            float weight, float u, const air_path_lane *lane)
 {
     const air_ray_media *media = &scratch->media;
     path_vertex *vertex = push_medium(scratch, walk);
-    const bool finite = draw_light(path, vertex, lane);
-    const bool apart = finite && u < AIR_EQUIANGULAR_SHARE;
-    const air_vec3 *light = finite && !apart ? &vertex->at.medium.light.position : NULL;
+    air_distance_guide guide = {.share = 0.0f};
+    const light_use use =
+        draw_light(path, vertex, lane) ? use_light(path, scratch, vertex, &guide) : LIGHT_NONE;
+    const bool followed = use == LIGHT_FOLLOWED, apart = followed && u < guide.share;
     air_distance distance;
-    if (!air_distance_sample(media, walk->beta, light, apart ? u / AIR_EQUIANGULAR_SHARE : u,
-                             &distance)) {
+    if (!air_distance_sample(media, walk->beta, followed && !apart ? &guide : NULL,
+                             apart ? u / guide.share : u, &distance)) {
         scratch->vertex_count--;
         return;
     }
-    vertex->light_share = distance.extinction_share;
+    vertex->light_share = use == LIGHT_NONE ? 0.0f : distance.extinction_share;
     distance.weight = vec3_scale(distance.weight, 1.0f / distance.extinction_share);
     place_closed(path, vertex, media, walk, &distance, weight, lane);
     if (apart) {
-        push_lit(path, scratch, walk, weight, u, vertex, lane);
+        push_lit(path, scratch, walk, weight, &guide, u, vertex, lane);
     }
 }
 
@@ -617,6 +770,9 @@ void air_path_trace(const air_path *path, air_path_scratch *scratch, air_path_la
     while (scratch->walk_count > 0) {
         const size_t walks = scratch->walk_count;
         path_intersect(path, scratch, lanes, walks);
+        for (size_t i = 0; i < walks && scratch->walks[i].depth == 0; i++) {
+            lanes[i].hit = scratch->hits[i];
+        }
         scratch->vertex_count = 0;
         for (size_t i = 0; i < walks; i++) {
             arrive(path, scratch, i, lanes);

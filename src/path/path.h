@@ -33,20 +33,31 @@ typedef struct air_path {
     air_path_settings settings;
     bool hittable_lights; /* some light can be met by a sampled direction, or some medium emits */
     bool emissive_media;
-    bool pervious; /* some mesh casts no shadow: then shadow rays see what directions do not */
-    bool extended_lights; /* some light has an area or fills directions */
+    bool pervious;     /* some mesh casts no shadow: then shadow rays see what directions do not */
+    bool whole_volume; /* the media are one convex region of constant density: distances can follow
+                          lights from infinity in closed form */
+    air_collimated_medium volume; /* that region */
+    bool extended_lights;         /* some light has an area or fills directions */
+    /* The lights asked for at first events: the snapshot's, less those that are wholly other
+     * methods' there. A view: only its cdf may be its own. */
+    air_light_table first_lights;
+    float *first_cdf; /* owned; NULL: the snapshot's */
 } air_path;
 
-void air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol *sobol,
-                   const air_path_settings *settings);
+/* On failure the path is as after air_path_finish. */
+air_status air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol *sobol,
+                         const air_path_settings *settings);
+void air_path_finish(air_path *path);
 
 /* One camera sample: in and out. */
 typedef struct air_path_lane {
     air_vec3 origin, dir;
     air_sampler sampler;
     float u_distance,
-        u_pick; /* the last two numbers of the sampler's set 0; the first two chose the ray */
+        u_pick;   /* the last two numbers of the sampler's set 0; the first two chose the ray */
+    float u_beam; /* for what the collimated method draws */
     uint32_t x, y, sample;
+    air_hit hit; /* what the camera's ray met, transparent surfaces passed */
     air_vec3 terms[AIR_TERM_COUNT];
     air_vec3 albedo, normal;
     float depth; /* of the first surface, 0 if there is none */
@@ -54,6 +65,9 @@ typedef struct air_path_lane {
 
 typedef struct air_path_scratch air_path_scratch; /* one per worker */
 size_t air_path_scratch_size(void);
+
+/* The product of 1 - alpha over the surfaces with coverage that a shadow ray meets. */
+float air_path_alpha_transmittance(const air_path *path, const air_ray *shadow_ray);
 
 /* Traces lanes[0..count), count <= AIR_PATH_LANES; the terms, guides included, are overwritten. */
 void air_path_trace(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,

@@ -8,6 +8,7 @@
 /* Two walks can start from one camera sample: from the surface it sees, and from the medium before
  * it. A medium event can have two vertices: one to go on from, one to ask for light at. */
 enum {
+    PATH_MOST_WINDOWS = 64, /* stretches of a ray that a light's windows may leave open */
     AIR_PATH_WALKS = 2 * AIR_PATH_LANES,
     AIR_PATH_VERTICES = 2 * AIR_PATH_WALKS,
     AIR_NO_MEDIUM = 0xffff
@@ -61,6 +62,10 @@ struct air_path_scratch {
     uint8_t occluded[AIR_PATH_VERTICES];
     size_t vertex_count, walk_count, shadow_count;
     air_ray_media media; /* along the ray that is looked at */
+    /* What a light from infinity would send along it; before and after windows are cut out. */
+    air_collimated_piece pieces[2][AIR_COLLIMATED_MAX_PIECES + PATH_MOST_WINDOWS];
+    air_interval windows[PATH_MOST_WINDOWS];
+    air_collimated_profile profile;
 };
 
 /* The sets of random numbers. Set 0 belongs to the camera sample: x, y, distance, light of the
@@ -86,6 +91,12 @@ static inline bool path_hittable(const air_path *path, uint32_t entry)
            (light->kind == AIR_LIGHT_ENVIRONMENT ||
             (light->kind == AIR_LIGHT_POLYGON &&
              (light->camera_visible || entry >= lights->explicit_count)));
+}
+
+/* The lights that a vertex of this depth asks. */
+static inline const air_light_table *path_lights(const air_path *path, uint32_t depth)
+{
+    return depth == 1 ? &path->first_lights : &path->snapshot->lights;
 }
 
 static inline air_term path_term(const path_walk *walk)

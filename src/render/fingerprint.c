@@ -89,7 +89,7 @@ static uint64_t add_light(uint64_t hash, const air_light *light)
     hash = ADD(hash, light->spot_offset);
     const size_t corners =
         light->window_count > 0 ? light->window_ends[light->window_count - 1] : 0;
-    hash = add_array(hash, light->windows, 2 * corners * sizeof(float));
+    hash = add_array(hash, light->windows, 2 * corners * sizeof(double));
     hash = add_array(hash, light->window_ends, light->window_count * sizeof(size_t));
     hash = add_array(hash, light->vertices, light->vertex_count * sizeof(air_vec3));
     for (int i = 0; light->environment != NULL && i < 64; i++) {

@@ -8,9 +8,10 @@
 /* What one worker writes to. */
 typedef struct pass_worker {
     air_path_scratch *scratch;
-    double *block; /* sums of the block under way */
+    air_collimated_scratch *collimated; /* NULL where that method owns nothing */
+    double *block;                      /* sums of the block under way */
     air_block_stack stack;
-    double replicate[3]; /* beauty of the replicate under way */
+    double replicate[12]; /* beauty of the replicate under way: the sums of a ratio */
 } pass_worker;
 
 typedef struct render_pass {
@@ -36,6 +37,22 @@ static uint32_t pixel_seed(const air_picture *picture, uint32_t x, uint32_t y, u
     return air_hash_combine(hash, replicate);
 }
 
+/* The number for the distance along a beam, by a pattern that is not that of the other numbers. */
+static float beam_number(const render_pass *pass, uint32_t x, uint32_t y, uint32_t replicate,
+                         uint32_t index)
+{
+    const air_picture *picture = pass->picture;
+    const uint32_t seed =
+        air_hash_combine((uint32_t)picture->params->seed, (uint32_t)(picture->params->seed >> 32));
+    /* The number of samples must not matter, or films of parts would not add up: blue noise is
+     * tuned to pictures of four samples. */
+    const air_pattern_source source = {.pattern = picture->params->pattern,
+                                       .tile = picture->blue_noise,
+                                       .log2_count = 2,
+                                       .seed = air_hash_combine(seed, replicate)};
+    return fminf((float)air_pattern_get(&source, x, y, index), 0x1.fffffep-1f);
+}
+
 static void make_lane(const render_pass *pass, uint32_t x, uint32_t y, uint32_t sample,
                       air_path_lane *lane)
 {
@@ -50,6 +67,9 @@ static void make_lane(const render_pass *pass, uint32_t x, uint32_t y, uint32_t 
     air_camera_view_ray(&picture->view, at_x, at_y, &lane->origin, &lane->dir);
     lane->u_distance = u[2];
     lane->u_pick = u[3];
+    lane->u_beam = picture->params->pattern == AIR_PATTERN_STRATIFIED
+                       ? u[2]
+                       : beam_number(pass, x, y, replicate, index);
     lane->x = x;
     lane->y = y;
     lane->sample = sample;
@@ -71,20 +91,40 @@ static air_vec3 lane_beauty(const air_path_lane *lane)
     return sum;
 }
 
+static void add_ratio(double *sums, const air_ratio_sample *ratio, air_vec3 plain)
+{
+    add3(sums, ratio->analytic);
+    add3(sums + 3, ratio->unoccluded);
+    add3(sums + 6, ratio->occluded);
+    add3(sums + 9, plain);
+}
+
+/* Adds one value to a slot of light; returns where the next slot begins. */
+static double *add_light(double *sums, const air_film_slot *slot, air_vec3 plain,
+                         const air_ratio_sample *ratio)
+{
+    if (slot->kind == AIR_SLOT_RATIO) {
+        add_ratio(sums, ratio, plain);
+    } else {
+        add3(sums, plain);
+    }
+    return sums + slot->components;
+}
+
 /* Adds one sample to the sums of its block. */
-static void accumulate(const render_pass *pass, pass_worker *worker, const air_path_lane *lane)
+static void accumulate(const render_pass *pass, pass_worker *worker, const air_path_lane *lane,
+                       const air_ratio_sample *ratio)
 {
     const air_render_params *p = pass->picture->params;
     const uint32_t size = pass->film->replicate_size;
+    const air_film_slot *slot = pass->film->layout.slots;
     double *sum = worker->block;
     if (!p->layers) {
-        add3(sum, lane_beauty(lane));
-        sum += 3;
+        sum = add_light(sum, slot++, lane_beauty(lane), ratio);
     }
     for (uint32_t t = 0; p->layers && t < AIR_TERM_COUNT; t++) {
         if ((p->terms >> t) & 1u) {
-            add3(sum, lane->terms[t]);
-            sum += 3;
+            sum = add_light(sum, slot++, lane->terms[t], ratio);
         }
     }
     if (p->guides) {
@@ -94,10 +134,13 @@ static void accumulate(const render_pass *pass, pass_worker *worker, const air_p
         sum += 7;
     }
     if (size > 0) {
-        add3(worker->replicate, lane_beauty(lane));
-        for (int c = 0; c < 3 && (lane->sample + 1) % size == 0; c++) {
-            sum[c] += worker->replicate[c] * worker->replicate[c];
-            worker->replicate[c] = 0.0;
+        add_ratio(worker->replicate, ratio, lane_beauty(lane));
+        if ((lane->sample + 1) % size == 0) {
+            for (uint32_t c = 0; c < 3; c++) {
+                const double beauty = air_ratio_total(worker->replicate, c);
+                sum[c] += beauty * beauty;
+            }
+            memset(worker->replicate, 0, sizeof worker->replicate);
         }
     }
 }
@@ -105,14 +148,22 @@ static void accumulate(const render_pass *pass, pass_worker *worker, const air_p
 static void render_block(const render_pass *pass, pass_worker *worker, uint32_t x, uint32_t y,
                          uint32_t begin, uint32_t end)
 {
+    const air_picture *picture = pass->picture;
     air_path_lane lanes[AIR_PATH_LANES];
+    air_ratio_sample ratios[AIR_PATH_LANES];
     for (uint32_t s = begin; s < end; s++) {
         make_lane(pass, x, y, s, &lanes[s - begin]);
     }
-    air_path_trace(&pass->picture->path, worker->scratch, lanes, end - begin);
+    air_path_trace(&picture->path, worker->scratch, lanes, end - begin);
+    if (picture->collimated != NULL) {
+        air_with_collimated_add(picture->collimated, worker->collimated, lanes, ratios,
+                                end - begin);
+    } else {
+        memset(ratios, 0, sizeof ratios);
+    }
     memset(worker->block, 0, pass->film->layout.stride * sizeof *worker->block);
     for (uint32_t s = begin; s < end; s++) {
-        accumulate(pass, worker, &lanes[s - begin]);
+        accumulate(pass, worker, &lanes[s - begin], &ratios[s - begin]);
     }
 }
 
@@ -145,6 +196,19 @@ static double fraction_done(const render_pass *pass, double share)
     return fmin(fmax(samples, time), 1.0);
 }
 
+/* Pixels are visited in squares, in which rays meet the same parts of the scene. */
+enum { SQUARE = 8 };
+
+static void render_square(const render_pass *pass, pass_worker *worker, uint32_t x0, uint32_t y0,
+                          uint32_t x1, uint32_t y1)
+{
+    for (uint32_t y = y0; y < y1 && y < y0 + SQUARE; y++) {
+        for (uint32_t x = x0; x < x1 && x < x0 + SQUARE; x++) {
+            render_pixel(pass, worker, x, y);
+        }
+    }
+}
+
 static void render_tile(void *user, size_t index, size_t worker_index)
 {
     render_pass *pass = user;
@@ -156,9 +220,11 @@ static void render_tile(void *user, size_t index, size_t worker_index)
     if (atomic_load_explicit(&pass->stop, memory_order_relaxed)) {
         return;
     }
-    for (uint32_t y = y0; y < film->crop[3] && y < y0 + size; y++) {
-        for (uint32_t x = x0; x < film->crop[2] && x < x0 + size; x++) {
-            render_pixel(pass, worker, x, y);
+    const uint32_t x1 = film->crop[2] - x0 < size ? film->crop[2] : x0 + size;
+    const uint32_t y1 = film->crop[3] - y0 < size ? film->crop[3] : y0 + size;
+    for (uint32_t y = y0; y < y1; y += SQUARE) {
+        for (uint32_t x = x0; x < x1; x += SQUARE) {
+            render_square(pass, worker, x, y, x1, y1);
         }
     }
     const size_t done = atomic_fetch_add(&pass->tiles_done, 1) + 1;
@@ -173,6 +239,7 @@ static void free_workers(render_pass *pass, size_t count)
     air_context *context = pass->picture->context;
     for (size_t i = 0; pass->workers != NULL && i < count; i++) {
         air_free(context, pass->workers[i].scratch);
+        air_collimated_scratch_destroy(pass->picture->collimated, pass->workers[i].collimated);
         air_free(context, pass->workers[i].block);
         air_free(context, pass->workers[i].stack.sums);
     }
@@ -193,6 +260,13 @@ static air_status make_workers(render_pass *pass, size_t count)
         worker->stack.sums =
             air_allocate(context, (size_t)(AIR_FILM_MAX_LEVELS + 1) * stride, sizeof(double));
         complete = worker->scratch != NULL && worker->block != NULL && worker->stack.sums != NULL;
+        if (complete && pass->picture->collimated != NULL) {
+            const air_status status =
+                air_collimated_scratch_create(pass->picture->collimated, &worker->collimated);
+            if (status != AIR_OK) {
+                return status;
+            }
+        }
     }
     return complete ? AIR_OK : air_fail_memory(context, "render workers");
 }

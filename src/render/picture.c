@@ -10,7 +10,8 @@ static uint64_t settings_hash(const air_picture *picture)
     const air_render_params *p = picture->params;
     const air_camera_view *view = &picture->view;
     const air_vec3 rays[4] = {view->origin, view->dir, view->step_x, view->step_y};
-    const uint32_t numbers[4] = {p->max_depth, p->terms, (uint32_t)p->filter, (uint32_t)view->kind};
+    const uint32_t numbers[5] = {p->max_depth, p->terms, (uint32_t)p->filter, (uint32_t)view->kind,
+                                 (uint32_t)p->pattern};
     uint64_t hash = air_fingerprint_snapshot(picture->snapshot);
     hash = air_fingerprint_add(hash, rays, sizeof rays);
     hash = air_fingerprint_add(hash, numbers, sizeof numbers);
@@ -18,16 +19,23 @@ static uint64_t settings_hash(const air_picture *picture)
     return air_fingerprint_add(hash, p->methods, strlen(p->methods));
 }
 
+static void add_light_slot(air_picture *picture, const char *name, bool ratio)
+{
+    air_film_layout_add(&picture->layout, ratio ? AIR_SLOT_RATIO : AIR_SLOT_TERM, name,
+                        ratio ? 12 : 3);
+}
+
 static void make_layout(air_picture *picture)
 {
     const air_render_params *p = picture->params;
     memset(&picture->layout, 0, sizeof picture->layout);
     if (!p->layers) {
-        air_film_layout_add(&picture->layout, AIR_SLOT_TERM, "beauty", 3);
+        add_light_slot(picture, "beauty", air_with_collimated_is_ratio(picture->collimated));
     }
     for (uint32_t t = 0; p->layers && t < AIR_TERM_COUNT; t++) {
         if ((p->terms >> t) & 1u) {
-            air_film_layout_add(&picture->layout, AIR_SLOT_TERM, air_term_name((air_term)t), 3);
+            add_light_slot(picture, air_term_name((air_term)t),
+                           t == AIR_TERM_M1 && air_with_collimated_is_ratio(picture->collimated));
         }
     }
     if (p->guides) {
@@ -135,7 +143,6 @@ air_status air_picture_init(air_picture *picture, air_context *context,
     picture->params = params;
     picture->start_s = air_clock(context);
     set_crop(picture);
-    make_layout(picture);
     air_sobol_init(&picture->sobol);
     air_camera_view_init(&snapshot->cameras[air_snapshot_camera(snapshot, params->camera)],
                          params->width, params->height, &picture->view);
@@ -146,18 +153,33 @@ air_status air_picture_init(air_picture *picture, air_context *context,
     if (status != AIR_OK) {
         return status;
     }
+    if (params->pattern == AIR_PATTERN_BLUE_NOISE) {
+        picture->blue_noise = air_allocate(context, 1, sizeof *picture->blue_noise);
+        if (picture->blue_noise == NULL) {
+            return air_fail_memory(context, "blue noise");
+        }
+        air_blue_noise_init(picture->blue_noise);
+    }
     const air_path_settings settings = {params->max_depth,   picture->wanted,
                                         params->terms,       params->guides,
                                         params->vertex_hook, params->vertex_hook_user};
-    air_path_init(&picture->path, snapshot, &picture->sobol, &settings);
-    return AIR_OK;
+    status = air_path_init(&picture->path, snapshot, &picture->sobol, &settings);
+    if (status == AIR_OK) {
+        status = air_with_collimated_create(&picture->path, picture->owners, &picture->view,
+                                            params->terms, &picture->collimated);
+    }
+    make_layout(picture);
+    return status;
 }
 
 void air_picture_finish(air_picture *picture)
 {
+    air_with_collimated_destroy(picture->collimated);
+    air_path_finish(&picture->path);
     air_owner_table_destroy(picture->owners);
     air_free(picture->context, picture->wanted);
     air_free(picture->context, picture->gaussian);
+    air_free(picture->context, picture->blue_noise);
 }
 
 air_status air_picture_film(const air_picture *picture, air_film **out_film)

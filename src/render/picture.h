@@ -2,9 +2,11 @@
 #ifndef AIR_RENDER_PICTURE_H
 #define AIR_RENDER_PICTURE_H
 
+#include "core/pattern.h"
 #include "image/film.h"
 #include "path/path.h"
 #include "render/owner.h"
+#include "render/with_collimated.h"
 #include "scene/camera.h"
 
 enum { AIR_GAUSSIAN_TABLE = 1024 };
@@ -19,6 +21,8 @@ typedef struct air_picture {
     air_path path;
     air_owner_table *owners;
     uint8_t *wanted;
+    air_with_collimated *collimated; /* NULL: that method owns nothing */
+    air_blue_noise *blue_noise;      /* NULL for other patterns */
     float *gaussian; /* inverse distribution function, AIR_GAUSSIAN_TABLE + 1 values in pixels; NULL
                         for other filters */
     air_film_layout layout;

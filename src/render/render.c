@@ -24,6 +24,7 @@ void air_render_params_default(air_render_params *params)
     params->methods = "auto";
     params->filter = AIR_FILTER_BOX;
     params->filter_radius = air_filter_radius_default(AIR_FILTER_BOX);
+    params->pattern = AIR_PATTERN_STRATIFIED;
     params->time_limit_s = INFINITY;
     params->tile_size = 32;
 }
@@ -93,6 +94,10 @@ static air_status check(air_context *context, const air_snapshot *snapshot,
             context, AIR_ERROR_ARGUMENT,
             "expected a filter radius in (0, 16], a positive time limit and a tile size "
             "of at least 1");
+    }
+    if ((unsigned)p->pattern > AIR_PATTERN_BLUE_NOISE) {
+        return air_fail(context, AIR_ERROR_ARGUMENT, "pattern %u is none of the four",
+                        (unsigned)p->pattern);
     }
     if (air_snapshot_camera(snapshot, p->camera) == SIZE_MAX) {
         return air_fail(context, AIR_ERROR_ARGUMENT, "camera handle %u names no camera", p->camera);

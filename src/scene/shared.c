@@ -10,6 +10,9 @@ void air_shared_destroy(air_context *context, struct air_shared *shared)
     if (shared == NULL)
         return;
     /* parts first: they borrow from the records */
+    for (size_t i = 0; shared->shadows != NULL && i < shared->shadow_count; ++i)
+        air_record_release(atomic_load(&shared->shadows[i]));
+    air_free(context, shared->shadows);
     air_record_release((air_record *)shared->lights);
     air_record_release((air_record *)shared->media);
     air_record_release((air_record *)shared->accelerator);

@@ -62,6 +62,9 @@ struct air_shared {
     air_accelerator_part *accelerator; /* retained like the next two; NULL without meshes */
     air_media_part *media;
     air_lights_part *lights;
+    _Atomic(air_record *) *shadows; /* per explicit light: its shadow tree once asked for
+                                       (shadows.h), else NULL; retained */
+    size_t shadow_count;
 };
 
 /* The index of a held object, SIZE_MAX if there is none of that handle. */
@@ -82,6 +85,8 @@ bool air_emitter_equal(const air_emitter *a, const air_emitter *b);
 air_status air_snapshot_set_accelerator(air_snapshot *snapshot, const air_snapshot *previous);
 air_status air_snapshot_set_media(air_snapshot *snapshot, const air_snapshot *previous);
 air_status air_snapshot_set_lights(air_snapshot *snapshot, const air_snapshot *previous);
+/* Needs all the others. */
+air_status air_snapshot_set_shadows(air_snapshot *snapshot, const air_snapshot *previous);
 
 /* What changed from one snapshot to the next: the or of air_dirty. previous NULL: everything. */
 uint32_t air_snapshot_dirty(const air_snapshot *previous, const air_snapshot *next);

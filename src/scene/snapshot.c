@@ -250,6 +250,7 @@ static air_status fill_snapshot(const air_scene *scene, air_snapshot *snapshot)
         return status;
     set_bounds(snapshot);
     if ((status = air_snapshot_set_lights(snapshot, scene->last)) != AIR_OK ||
+        (status = air_snapshot_set_shadows(snapshot, scene->last)) != AIR_OK ||
         (status = set_cameras(snapshot)) != AIR_OK)
         return status;
     return set_source(scene, snapshot);

@@ -7,6 +7,7 @@
 #ifndef AIR_SCENE_LIGHTS_LIGHT_TABLE_H
 #define AIR_SCENE_LIGHTS_LIGHT_TABLE_H
 
+#include "airlight/interval.h"
 #include "airlight/light.h"
 #include "core/host.h"
 #include "core/vec.h"
@@ -19,7 +20,7 @@ typedef struct air_light {
     air_vec3 dir;                  /* unit, direction of travel: spot, collimated */
     air_frame frame;               /* collimated: of dir, in which windows are 2-D */
     float spot_scale, spot_offset; /* KHR_lights_punctual: clamp(cos*scale + offset, 0, 1)^2 */
-    float *windows;                /* collimated: concatenated 2-D vertices in (frame.s, frame.t) */
+    double *windows;               /* collimated: concatenated 2-D vertices in (frame.s, frame.t) */
     size_t *window_ends;           /* one past the last vertex of each window */
     size_t window_count;
     air_vec3 *vertices; /* polygon: its vertices; normal is their front side */
@@ -101,5 +102,10 @@ air_vec3 air_polygon_radiance(const air_light *light, air_vec3 dir);
 
 /* Is the collimated light open at this point (inside one of its windows, or without any)? */
 bool air_light_in_windows(const air_light *light, air_vec3 point);
+/* The same for a ray, dir unit, t >= 0: the stretches its windows leave open, sorted and disjoint,
+ * at most air_light_window_limit of them. For lights that have windows. */
+size_t air_light_open_stretches(const air_light *light, const double origin[3], const double dir[3],
+                                air_interval *out);
+size_t air_light_window_limit(const air_light *light);
 
 #endif

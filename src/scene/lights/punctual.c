@@ -1,6 +1,8 @@
 /* punctual.c: see punctual.h. */
 #include "scene/lights/punctual.h"
 
+#include "airlight/collimated.h"
+
 /* ---- spot ---- */
 
 void air_spot_set_cone(air_light *light, double inner_cone_rad, double outer_cone_rad)
@@ -29,6 +31,11 @@ double air_spot_solid_angle(const air_light *light)
 
 /* ---- windows of collimated lights ---- */
 
+static double dot64(air_vec3 a, air_vec3 b)
+{
+    return (double)a.x * (double)b.x + (double)a.y * (double)b.y + (double)a.z * (double)b.z;
+}
+
 air_status air_windows_build(air_context *context, const air_gobo_window *windows, size_t count,
                              air_light *light)
 {
@@ -46,8 +53,8 @@ air_status air_windows_build(air_context *context, const air_gobo_window *window
     for (size_t i = 0; i < count; i++) {
         for (size_t k = 0; k < windows[i].vertex_count; k++, next++) {
             const air_vec3 v = vec3_load(windows[i].vertices + 3 * k);
-            light->windows[2 * next] = vec3_dot(v, light->frame.s);
-            light->windows[2 * next + 1] = vec3_dot(v, light->frame.t);
+            light->windows[2 * next] = dot64(v, light->frame.s);
+            light->windows[2 * next + 1] = dot64(v, light->frame.t);
         }
         light->window_ends[i] = next;
     }
@@ -68,9 +75,9 @@ double air_windows_area(const air_light *light)
         const size_t end = light->window_ends[i];
         double area = 0.0;
         for (size_t k = begin; k < end; k++) {
-            const float *a = light->windows + 2 * k;
-            const float *b = light->windows + 2 * (k + 1 < end ? k + 1 : begin);
-            area += 0.5 * ((double)a[0] * (double)b[1] - (double)a[1] * (double)b[0]);
+            const double *a = light->windows + 2 * k;
+            const double *b = light->windows + 2 * (k + 1 < end ? k + 1 : begin);
+            area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
         }
         sum += fabs(area);
         begin = end;
@@ -79,15 +86,15 @@ double air_windows_area(const air_light *light)
 }
 
 /* Even-odd rule: how often does the half-line to the right of (x, y) cross the edges? */
-static bool inside(const float *vertices, size_t count, float x, float y)
+static bool inside(const double *vertices, size_t count, double x, double y)
 {
     bool odd = false;
-    const float *a = vertices + 2 * (count - 1);
+    const double *a = vertices + 2 * (count - 1);
     for (size_t i = 0; i < count; i++) {
-        const float *b = vertices + 2 * i;
+        const double *b = vertices + 2 * i;
         if ((a[1] > y) != (b[1] > y)) {
-            const float cross = (b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1]);
-            if ((cross > 0.0f) == (b[1] > a[1])) {
+            const double cross = (b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1]);
+            if ((cross > 0.0) == (b[1] > a[1])) {
                 odd = !odd;
             }
         }
@@ -101,7 +108,7 @@ bool air_light_in_windows(const air_light *light, air_vec3 point)
     if (light->window_count == 0) {
         return true;
     }
-    const float x = vec3_dot(point, light->frame.s), y = vec3_dot(point, light->frame.t);
+    const double x = dot64(point, light->frame.s), y = dot64(point, light->frame.t);
     size_t begin = 0;
     for (size_t i = 0; i < light->window_count; i++) {
         const size_t end = light->window_ends[i];
@@ -111,6 +118,32 @@ bool air_light_in_windows(const air_light *light, air_vec3 point)
         begin = end;
     }
     return false;
+}
+
+size_t air_light_window_limit(const air_light *light)
+{
+    size_t limit = 0, begin = 0;
+    for (size_t i = 0; i < light->window_count; i++) {
+        limit += (light->window_ends[i] - begin) / 2 + 1;
+        begin = light->window_ends[i];
+    }
+    return limit;
+}
+
+size_t air_light_open_stretches(const air_light *light, const double origin[3], const double dir[3],
+                                air_interval *out)
+{
+    const air_vec3 s = light->frame.s, t = light->frame.t;
+    const double axis_s[3] = {(double)s.x, (double)s.y, (double)s.z};
+    const double axis_t[3] = {(double)t.x, (double)t.y, (double)t.z};
+    size_t count = 0, begin = 0;
+    for (size_t i = 0; i < light->window_count; i++) {
+        const size_t end = light->window_ends[i];
+        count += air_collimated_window(light->windows + 2 * begin, end - begin, axis_s, axis_t,
+                                       origin, dir, 0.0, INFINITY, out + count);
+        begin = end;
+    }
+    return air_intervals_join(out, count);
 }
 
 /* ---- sampling ---- */

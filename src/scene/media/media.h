@@ -3,6 +3,7 @@
 #ifndef AIR_SCENE_MEDIA_MEDIA_H
 #define AIR_SCENE_MEDIA_MEDIA_H
 
+#include "airlight/collimated.h"
 #include "airlight/medium.h"
 #include "core/host.h"
 #include "core/vec.h"
@@ -84,6 +85,9 @@ typedef struct air_segment {
 
 /* Fills what regions hold for the sake of speed; air_media_build's last step. */
 void air_media_prepare(air_media *media);
+
+/* A convex region's planes as the collimated kernel takes them. */
+void air_region_planes(const air_region *region, air_collimated_medium *out);
 
 /* The segments of the ray from t = 0 to tmax (may be INFINITY), in order, without empty sets; at
  * most AIR_MAX_SEGMENTS are kept. dir is unit. Returns their number. */

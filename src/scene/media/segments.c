@@ -38,6 +38,18 @@ void air_media_prepare(air_media *media)
     }
 }
 
+void air_region_planes(const air_region *region, air_collimated_medium *out)
+{
+    out->plane_count = region->plane_count;
+    for (size_t k = 0; k < region->plane_count; k++) {
+        const air_plane *plane = &region->planes[k];
+        out->planes[k][0] = (double)plane->n.x;
+        out->planes[k][1] = (double)plane->n.y;
+        out->planes[k][2] = (double)plane->n.z;
+        out->planes[k][3] = (double)plane->h;
+    }
+}
+
 typedef int32_t mask_lanes __attribute__((vector_size(16)));
 
 static inline air_plane_lanes select_lanes(mask_lanes mask, air_plane_lanes yes, air_plane_lanes no)

@@ -1,0 +1,481 @@
+/* collimated_light.c: what the rays of a block of samples receive from the lights that the
+ * collimated method owns. */
+#include <float.h>
+#include <string.h>
+
+#include "core/phase.h"
+#include "path/ray_media.h"
+#include "render/collimated_state.h"
+
+static void load3(air_vec3 v, double out[3])
+{
+    out[0] = (double)v.x;
+    out[1] = (double)v.y;
+    out[2] = (double)v.z;
+}
+
+static air_vec3 rgb(const double v[3]) { return vec3((float)v[0], (float)v[1], (float)v[2]); }
+
+/* ---- profiles ---- */
+
+/* The phase functions' values are the same all along a ray. */
+static void weigh_cells(const air_with_collimated *with, const collimated_beam *b, size_t channel,
+                        air_collimated_cell *cells)
+{
+    const air_media *media = &with->snapshot->media;
+    const double cosine = b->dir[0] * b->lamp->to_light[0] + b->dir[1] * b->lamp->to_light[1] +
+                          b->dir[2] * b->lamp->to_light[2];
+    for (size_t r = 0; r < with->region_count; r++) {
+        const air_region *region = &media->regions[r];
+        const float phase = phase_eval(media->media[region->medium].phase, (float)cosine);
+        cells[r].weight = (double)air_channel(region->sigma_s, (int)channel) * (double)phase;
+    }
+}
+
+static void make_profile(const air_with_collimated *with, air_collimated_scratch *scratch,
+                         const collimated_beam *b, size_t channel, double t_max,
+                         air_collimated_profile *out)
+{
+    const air_collimated_cell *cells = with->cells + channel * with->region_count;
+    if (with->region_count == 1) {
+        air_collimated_profile_make(&cells[0].medium, b->lamp->to_light, cells[0].sigma_t,
+                                    b->origin, b->dir, t_max, out);
+        return;
+    }
+    air_collimated_cell *weighted = scratch->cells + channel * with->region_count;
+    weigh_cells(with, b, channel, weighted);
+    air_collimated_profile_make_cells(weighted, with->region_count, b->lamp->to_light, b->origin,
+                                      b->dir, t_max, out);
+}
+
+/* A single cell's weight is 1; what it scatters goes into the factor. */
+static air_vec3 common_factor(const air_with_collimated *with, const collimated_beam *b)
+{
+    const air_media *media = &with->snapshot->media;
+    const air_region *region = &media->regions[0];
+    if (with->region_count > 1) {
+        return b->lamp->light->color;
+    }
+    const double cosine = b->dir[0] * b->lamp->to_light[0] + b->dir[1] * b->lamp->to_light[1] +
+                          b->dir[2] * b->lamp->to_light[2];
+    const float phase = phase_eval(media->media[region->medium].phase, (float)cosine);
+    return vec3_scale(vec3_mul(region->sigma_s, b->lamp->light->color), phase);
+}
+
+/* False if the lamp gives nothing to the ray. */
+static bool make_beam(const air_with_collimated *with, air_collimated_scratch *scratch,
+                      size_t lamp_index, const air_path_lane *lane, collimated_beam *out)
+{
+    const collimated_lamp *lamp = &with->lamps[lamp_index];
+    const bool met = lane->hit.mesh != (uint32_t)AIR_NO_HIT;
+    const double t_max = met ? (double)lane->hit.t : INFINITY;
+    out->lamp = lamp;
+    out->profiles = scratch->profiles + 3 * lamp_index;
+    load3(lane->origin, out->origin);
+    load3(lane->dir, out->dir);
+    out->begin = INFINITY;
+    out->end = -INFINITY;
+    out->windows = scratch->windows;
+    out->window_count =
+        lamp->light->window_count > 0
+            ? air_light_open_stretches(lamp->light, out->origin, out->dir, scratch->windows)
+            : SIZE_MAX;
+    for (size_t c = 0; c < with->channels; c++) {
+        air_collimated_profile *profile = &out->profiles[c];
+        if (out->window_count == SIZE_MAX) {
+            make_profile(with, scratch, out, c, t_max, profile);
+        } else {
+            make_profile(with, scratch, out, c, t_max, &scratch->plain);
+            air_collimated_profile_restrict(&scratch->plain, out->windows, out->window_count,
+                                            profile);
+        }
+        if (profile->count > 0) {
+            out->begin = fmin(out->begin, profile->pieces[0].t0);
+            out->end = fmax(out->end, profile->pieces[profile->count - 1].t1);
+        }
+    }
+    out->factor = common_factor(with, out);
+    return out->begin < out->end;
+}
+
+/* ---- drawing a distance ---- */
+
+/* One sample for all channels: drawn for one of those that see something, all of them in the
+ * density. */
+static double draw(const air_with_collimated *with, const air_collimated_profile *profiles,
+                   air_collimated_estimator estimator, double u, double analytic[3],
+                   double unoccluded[3])
+{
+    size_t chosen[3], count = 0;
+    for (size_t c = 0; c < with->channels; c++) {
+        if (profiles[c].count > 0) {
+            chosen[count++] = c;
+        }
+    }
+    const size_t k = (size_t)fmin(u * (double)count, (double)count - 1.0);
+    const air_collimated_draw first = air_collimated_estimate(
+        estimator, &profiles[chosen[k]], fmin(u * (double)count - (double)k, 0x1.fffffffffffffp-1));
+    for (size_t c = 0; c < 3; c++) {
+        analytic[c] = first.analytic;
+        unoccluded[c] = first.unoccluded;
+    }
+    if (with->channels == 1) {
+        return first.t;
+    }
+    double density = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        density +=
+            air_collimated_estimate_pdf(estimator, &profiles[chosen[i]], first.t) / (double)count;
+    }
+    for (size_t c = 0; c < 3; c++) {
+        analytic[c] = air_collimated_integral(&profiles[c]);
+        unoccluded[c] =
+            density > 0.0 ? air_collimated_integrand(&profiles[c], first.t) / density : 0.0;
+    }
+    return first.t;
+}
+
+static air_ray ray_to_light(const collimated_beam *b, double t)
+{
+    air_ray ray = {.tmin = 0.0f, .tmax = FLT_MAX, .mask = AIR_MASK_SHADOW_OPAQUE};
+    for (int k = 0; k < 3; k++) {
+        ray.origin[k] = (float)(b->origin[k] + t * b->dir[k]);
+        ray.dir[k] = (float)b->lamp->to_light[k];
+    }
+    return ray;
+}
+
+/* ---- exact ---- */
+
+/* What lies between the shadows of opaque triangles adds its integral. Surfaces with coverage are
+ * looked for at one point drawn there. */
+static void add_gaps(const air_with_collimated *with, air_collimated_scratch *scratch,
+                     const collimated_beam *b, size_t gap_count, double u, double sums[3])
+{
+    double parts[3] = {0.0, 0.0, 0.0};
+    for (size_t c = 0; c < with->channels; c++) {
+        for (size_t i = 0; i < gap_count; i++) {
+            parts[c] += air_collimated_partial_integral(&b->profiles[c], scratch->gaps[i].begin,
+                                                        scratch->gaps[i].end);
+        }
+    }
+    for (size_t c = with->channels; c < 3; c++) {
+        parts[c] = parts[0];
+    }
+    if (with->snapshot->has_alpha && b->lamp->casts_shadow) {
+        double analytic[3];
+        for (size_t c = 0; c < with->channels; c++) {
+            air_collimated_profile_restrict(&b->profiles[c], scratch->gaps, gap_count,
+                                            &scratch->lit[c]);
+        }
+        if (scratch->lit[0].count + scratch->lit[1].count + scratch->lit[2].count == 0) {
+            return;
+        }
+        const double t = draw(with, scratch->lit, AIR_COLLIMATED_WVDS, u, analytic, parts);
+        const air_ray ray = ray_to_light(b, t);
+        const double through = (double)air_path_alpha_transmittance(with->path, &ray);
+        for (size_t c = 0; c < 3; c++) {
+            parts[c] *= through;
+        }
+    }
+    for (size_t c = 0; c < 3; c++) {
+        sums[c] += parts[c];
+    }
+}
+
+/* The stretch of the ray inside the box that shadows can reach; empty if there is none. */
+static air_interval reached(const collimated_beam *b, double begin, double end)
+{
+    const air_shadow_view *shadows = &b->lamp->shadows;
+    air_interval inside = {begin, end};
+    for (int k = 0; k < 3; k++) {
+        const double to_low = (shadows->low[k] - b->origin[k]) / b->dir[k];
+        const double to_high = (shadows->high[k] - b->origin[k]) / b->dir[k];
+        if (b->dir[k] != 0.0) {
+            inside.begin = fmax(inside.begin, fmin(to_low, to_high));
+            inside.end = fmin(inside.end, fmax(to_low, to_high));
+        } else if (b->origin[k] < shadows->low[k] || b->origin[k] > shadows->high[k]) {
+            inside.end = inside.begin;
+        }
+    }
+    return inside;
+}
+
+/* A stretch with more shadows than there is room for is halved; so often at most. */
+enum { MOST_HALVINGS = 24 };
+
+static void add_stretch(const air_with_collimated *with, air_collimated_scratch *scratch,
+                        const collimated_beam *b, double begin, double end, double u, int halvings,
+                        double sums[3])
+{
+    const air_shadow_tree *tree = b->lamp->shadows.tree;
+    const air_interval asked = tree != NULL ? reached(b, begin, end) : (air_interval){begin, begin};
+    const size_t count =
+        asked.begin < asked.end
+            ? air_shadow_tree_query(tree, b->origin, b->dir, asked.begin, asked.end,
+                                    scratch->shadows, COLLIMATED_INTERVALS)
+            : 0;
+    if (count > COLLIMATED_INTERVALS) {
+        const double middle = asked.begin + 0.5 * (asked.end - asked.begin);
+        if (halvings < MOST_HALVINGS) {
+            add_stretch(with, scratch, b, begin, middle, u, halvings + 1, sums);
+            add_stretch(with, scratch, b, middle, end, u, halvings + 1, sums);
+        }
+        return;
+    }
+    const size_t gaps = air_intervals_gaps(scratch->shadows, count, begin, end, scratch->gaps);
+    if (gaps > 0) {
+        add_gaps(with, scratch, b, gaps, u, sums);
+    }
+}
+
+/* ---- moments ---- */
+
+static double own_weight(void *user, double t)
+{
+    const air_collimated_profile *profile = user;
+    return air_collimated_integrand(profile, t);
+}
+
+/* The stretch less the share of it that the moments hold for shadow. */
+static void add_bounded(const air_with_collimated *with, const collimated_beam *b, double begin,
+                        double end, double sums[3])
+{
+    const collimated_lamp *lamp = b->lamp;
+    const air_interval asked =
+        lamp->moments != NULL ? reached(b, begin, end) : (air_interval){begin, begin};
+    double share = 0.0;
+    if (asked.begin < asked.end) {
+        air_moment_choice choice;
+        air_moment_choice_default(&choice);
+        share = lamp->own_weights
+                    ? air_moment_shadow_weighted(lamp->moments, b->dir, asked.begin, asked.end,
+                                                 own_weight, &b->profiles[0], &choice)
+                    : air_moment_shadow(lamp->moments, b->dir, asked.begin, asked.end, &choice);
+    }
+    for (size_t c = 0; c < 3; c++) {
+        const air_collimated_profile *profile = &b->profiles[c < with->channels ? c : 0];
+        sums[c] += air_collimated_partial_integral(profile, begin, end) -
+                   share * air_collimated_partial_integral(profile, asked.begin, asked.end);
+    }
+}
+
+/* ---- modes without noise ---- */
+
+static void add_noiseless(const air_with_collimated *with, air_collimated_scratch *scratch,
+                          const collimated_beam *b, double begin, double end, double u,
+                          double sums[3])
+{
+    if (b->lamp->mode == AIR_COLLIMATED_EXACT) {
+        add_stretch(with, scratch, b, begin, end, u, 0, sums);
+    } else {
+        add_bounded(with, b, begin, end, sums);
+    }
+}
+
+static void add_open_stretches(const air_with_collimated *with, air_collimated_scratch *scratch,
+                               const collimated_beam *b, double u, air_path_lane *lane)
+{
+    double sums[3] = {0.0, 0.0, 0.0};
+    if (b->window_count == SIZE_MAX) {
+        add_noiseless(with, scratch, b, b->begin, b->end, u, sums);
+    }
+    for (size_t i = 0; b->window_count != SIZE_MAX && i < b->window_count; i++) {
+        const double begin = fmax(b->windows[i].begin, b->begin);
+        const double end = fmin(b->windows[i].end, b->end);
+        if (begin < end) {
+            add_noiseless(with, scratch, b, begin, end, u, sums);
+        }
+    }
+    lane->terms[AIR_TERM_M1] = vec3_add(lane->terms[AIR_TERM_M1], vec3_mul(b->factor, rgb(sums)));
+}
+
+/* ---- sampled ---- */
+
+static void queue(air_collimated_scratch *scratch, const air_ray *ray, collimated_query query)
+{
+    scratch->rays[scratch->query_count] = *ray;
+    scratch->queries[scratch->query_count++] = query;
+}
+
+/* Sends the queued rays and adds what arrives. */
+static void send(const air_with_collimated *with, air_collimated_scratch *scratch,
+                 air_path_lane *lanes, air_ratio_sample *ratios)
+{
+    const size_t count = scratch->query_count;
+    scratch->query_count = 0;
+    memset(scratch->occluded, 0, count);
+    if (with->snapshot->accelerator != NULL && count > 0) {
+        with->path->rays->occluded(with->snapshot->accelerator, scratch->rays, count,
+                                   scratch->occluded);
+    }
+    for (size_t i = 0; i < count; i++) {
+        const collimated_query *query = &scratch->queries[i];
+        if (scratch->occluded[i]) {
+            continue;
+        }
+        air_vec3 value = query->value;
+        if (with->snapshot->has_alpha && scratch->rays[i].mask != 0) {
+            value = vec3_scale(value, air_path_alpha_transmittance(with->path, &scratch->rays[i]));
+        }
+        air_vec3 *sum =
+            query->ratio ? &ratios[query->lane].occluded : &lanes[query->lane].terms[query->term];
+        *sum = vec3_add(*sum, value);
+    }
+}
+
+/* What the lamp would give to the ray if nothing were in between. */
+static air_vec3 unoccluded_light(const air_with_collimated *with, const collimated_beam *b)
+{
+    double t[3] = {0.0, 0.0, 0.0};
+    for (size_t c = 0; c < 3; c++) {
+        t[c] = c < with->channels ? air_collimated_integral(&b->profiles[c]) : t[0];
+    }
+    return vec3_mul(b->factor, rgb(t));
+}
+
+/* Chooses one of the lamps that are sampled, in proportion to what they would give, so that the
+ * choice adds no noise where all are visible. Returns its probability, 0 if none gives anything; u
+ * is rescaled to [0, 1). */
+static double choose_lamp(const air_with_collimated *with, const collimated_beam *beams,
+                          size_t count, double *u, size_t *out)
+{
+    double total = 0.0, before = 0.0;
+    *out = 0;
+    if (count <= 1) {
+        return (double)count;
+    }
+    for (size_t i = 0; i < count; i++) {
+        total += (double)vec3_luminance(unoccluded_light(with, &beams[i]));
+    }
+    for (size_t i = 0; i < count && total > 0.0; i++) {
+        const double share = (double)vec3_luminance(unoccluded_light(with, &beams[i])) / total;
+        if (share > 0.0) {
+            *out = i;
+        }
+        if (share > 0.0 && *u < before + share) {
+            *u = fmin(fmax((*u - before) / share, 0.0), 0x1.fffffffffffffp-1);
+            return share;
+        }
+        before += share;
+    }
+    return 0.0; /* nothing, or rounding at the very end */
+}
+
+/* One sample of one of the beams. */
+static void add_sampled(const air_with_collimated *with, air_collimated_scratch *scratch,
+                        const collimated_beam *beams, size_t count, double u, size_t lane_index,
+                        air_ratio_sample *ratio)
+{
+    double analytic[3], unoccluded[3];
+    size_t chosen;
+    const double share = choose_lamp(with, beams, count, &u, &chosen);
+    if (!(share > 0.0)) {
+        return;
+    }
+    const collimated_beam *b = &beams[chosen];
+    const air_collimated_estimator estimator = air_collimated_mode_estimator(b->lamp->mode);
+    const double t = draw(with, b->profiles, estimator, u, analytic, unoccluded);
+    const collimated_query query = {
+        lane_index, AIR_TERM_M1, air_collimated_estimator_is_ratio(estimator),
+        vec3_scale(vec3_mul(b->factor, rgb(unoccluded)), (float)(1.0 / share))};
+    air_ray ray = ray_to_light(b, t);
+    if (!b->lamp->casts_shadow) {
+        ray.mask = 0;
+    }
+    if (query.ratio) {
+        for (size_t i = 0; i < count; i++) {
+            ratio->analytic = vec3_add(ratio->analytic, unoccluded_light(with, &beams[i]));
+        }
+        ratio->unoccluded = query.value;
+    }
+    if (!vec3_is_zero(query.value)) {
+        queue(scratch, &ray, query);
+    }
+}
+
+static void add_volume(const air_with_collimated *with, air_collimated_scratch *scratch,
+                       air_path_lane *lane, size_t lane_index, air_ratio_sample *ratio)
+{
+    const double u = (double)lane->u_beam;
+    collimated_beam *beams = scratch->beams;
+    size_t sampled = 0;
+    for (size_t i = 0; i < with->lamp_count; i++) {
+        collimated_beam *b = &beams[sampled];
+        if (!make_beam(with, scratch, i, lane, b)) {
+            continue;
+        }
+        if (air_collimated_mode_samples(b->lamp->mode)) {
+            sampled++;
+        } else {
+            add_open_stretches(with, scratch, b, u, lane);
+        }
+    }
+    add_sampled(with, scratch, beams, sampled, u, lane_index, ratio);
+}
+
+/* ---- surfaces ---- */
+
+/* What the lanes' camera rays met, and how much of it comes through. */
+static void make_surfaces(const air_with_collimated *with, air_collimated_scratch *scratch,
+                          const air_path_lane *lanes, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const air_path_lane *lane = &lanes[i];
+        if (lane->hit.mesh != (uint32_t)AIR_NO_HIT) {
+            air_surface_make(with->snapshot, &lane->hit, lane->dir, &scratch->surfaces[i]);
+            scratch->camera_transmittance[i] = air_constant_transmittance(
+                &with->snapshot->media, lane->origin, lane->dir, lane->hit.t);
+        }
+    }
+}
+
+/* Direct light of one lamp on the surfaces of a block: nothing is left to chance. */
+static void add_surfaces(const air_with_collimated *with, air_collimated_scratch *scratch,
+                         const collimated_lamp *lamp, const air_path_lane *lanes, size_t count)
+{
+    const air_vec3 to_light = vec3_neg(lamp->light->dir);
+    for (size_t i = 0; i < count; i++) {
+        const air_path_lane *lane = &lanes[i];
+        const air_surface *surface = &scratch->surfaces[i];
+        if (lane->hit.mesh == (uint32_t)AIR_NO_HIT ||
+            !air_light_in_windows(lamp->light, surface->position)) {
+            continue;
+        }
+        const air_vec3 reflected = air_bsdf_eval(&surface->bsdf, vec3_neg(lane->dir), to_light);
+        if (vec3_is_zero(reflected)) {
+            continue;
+        }
+        const air_vec3 origin = air_surface_origin(surface, to_light);
+        const air_vec3 incident =
+            vec3_mul(lamp->light->color, air_constant_transmittance(&with->snapshot->media, origin,
+                                                                    to_light, INFINITY));
+        const collimated_query query = {
+            i, AIR_TERM_S0, false,
+            vec3_mul(vec3_mul(reflected, incident), scratch->camera_transmittance[i])};
+        air_ray ray = {.tmax = FLT_MAX, .mask = lamp->casts_shadow ? AIR_MASK_SHADOW_OPAQUE : 0};
+        vec3_store(ray.origin, origin);
+        vec3_store(ray.dir, to_light);
+        if (!vec3_is_zero(query.value)) {
+            queue(scratch, &ray, query);
+        }
+    }
+}
+
+void air_with_collimated_add(const air_with_collimated *with, air_collimated_scratch *scratch,
+                             air_path_lane *lanes, air_ratio_sample *ratios, size_t count)
+{
+    memset(ratios, 0, count * sizeof *ratios);
+    for (size_t i = 0; with->volume && i < count; i++) {
+        add_volume(with, scratch, &lanes[i], i, &ratios[i]);
+    }
+    send(with, scratch, lanes, ratios);
+    if (!with->surfaces) {
+        return;
+    }
+    make_surfaces(with, scratch, lanes, count);
+    for (size_t i = 0; i < with->lamp_count; i++) {
+        add_surfaces(with, scratch, &with->lamps[i], lanes, count);
+        send(with, scratch, lanes, ratios);
+    }
+}

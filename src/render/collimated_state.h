@@ -1,0 +1,76 @@
+/* collimated_state.h: what with_collimated.c sets up and collimated_light.c uses per ray. */
+#ifndef AIR_RENDER_COLLIMATED_STATE_H
+#define AIR_RENDER_COLLIMATED_STATE_H
+
+#include "airlight/moment.h"
+#include "render/with_collimated.h"
+#include "scene/shadows.h"
+
+/* A light that the method owns. */
+typedef struct collimated_lamp {
+    const air_light *light;
+    air_collimated_mode mode;
+    double to_light[3];
+    double *windows;         /* the light's, as doubles */
+    air_shadow_view shadows; /* exact mode, and the box for moments */
+    air_moment_map *moments; /* moment modes, else NULL; owned */
+    bool own_weights;        /* of moments: each ray's own */
+    bool casts_shadow;
+} collimated_lamp;
+
+struct air_with_collimated {
+    air_context *context;
+    const air_path *path;
+    const air_snapshot *snapshot;
+    collimated_lamp *lamps;
+    size_t lamp_count;
+    bool surfaces, volume; /* is S0, M1 wanted? */
+    bool ratio;
+    /* Cells of all regions for each channel; one channel serves all where coefficients are grey. */
+    size_t channels;
+    air_collimated_cell *cells; /* [channel * region_count + region] */
+    size_t region_count;
+    size_t piece_limit;  /* of one profile */
+    size_t window_limit; /* intervals that the windows of one light leave of a ray */
+};
+
+/* One lamp along one camera ray. */
+typedef struct collimated_beam {
+    const collimated_lamp *lamp;
+    air_collimated_profile *profiles; /* one per channel, windows cut out */
+    air_vec3 factor;                  /* on the integrals: what all cells have in common */
+    double origin[3], dir[3];
+    double begin, end; /* where some profile has pieces */
+    const air_interval *windows;
+    size_t window_count; /* intervals; SIZE_MAX: the light has no windows */
+} collimated_beam;
+
+enum { COLLIMATED_INTERVALS = 128 };
+
+/* A ray towards a light whose answer is waited for. */
+typedef struct collimated_query {
+    size_t lane;
+    air_term term;
+    bool ratio;
+    air_vec3 value; /* what arrives if nothing is in between */
+} collimated_query;
+
+struct air_collimated_scratch {
+    air_collimated_piece *pieces; /* of profiles [lamp * 3 + channel], piece_limit +
+                                     window_limit each */
+    air_collimated_profile *profiles;
+    collimated_beam *beams;               /* of the ray under way, for the lamps that are sampled */
+    air_collimated_profile plain;         /* before windows are cut out */
+    air_collimated_profile lit[3];        /* per channel, restricted to lit stretches */
+    air_collimated_cell *cells;           /* of the ray under way: with weights */
+    air_interval *windows;                /* window_limit */
+    air_surface surfaces[AIR_PATH_LANES]; /* what the lanes' camera rays met */
+    air_vec3 camera_transmittance[AIR_PATH_LANES];
+    air_interval shadows[COLLIMATED_INTERVALS], gaps[COLLIMATED_INTERVALS + 1];
+    collimated_query queries[AIR_PATH_LANES];
+    air_ray rays[AIR_PATH_LANES];
+    uint8_t occluded[AIR_PATH_LANES];
+    size_t query_count;
+};
+
+#endif
