@@ -89,8 +89,8 @@ class Truth:
 class Airlight:
     name = "airlight"
 
-    def __init__(self, command, threads):
-        self.command, self.threads = command, threads
+    def __init__(self, command, threads, method="path"):
+        self.command, self.threads, self.method = command, threads, method
 
     def render(self, events, spp, seed, path, box=True):
         """Seconds that rendering took, and the whole command."""
@@ -118,6 +118,8 @@ class Airlight:
                 str(events),
                 "--filter",
                 "box" if box else "point",
+                "--method",
+                self.method,
             ],
             stdout=subprocess.PIPE,
             check=True,
@@ -313,6 +315,11 @@ def main():
         metavar="N",
         help="samples of a speed measurement; default 64",
     )
+    parser.add_argument(
+        "--method",
+        default="path",
+        help="what airlight renders with, compared with Mitsuba's path tracer; default %(default)s",
+    )
     parser.add_argument("--threads", type=int, default=os.cpu_count(), metavar="N")
     parser.add_argument("--serve", metavar="VARIANT", help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -320,7 +327,7 @@ def main():
         serve(options.serve, options.threads)
         return
     peers = find_peers(options.threads)
-    airlight = Airlight(find_airlight(options.airlight), options.threads)
+    airlight = Airlight(find_airlight(options.airlight), options.threads, options.method)
     print(
         "roombeam, %d x %d, %s, %d threads%s"
         % (
