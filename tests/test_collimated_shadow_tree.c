@@ -237,22 +237,28 @@ static void no_ray_finds_a_crack_in_a_closed_sphere(void **state)
     }
 }
 
-/* A roof of squares over the cube, at heights between 1.0 and 1.5, corners on dyadic numbers, so
- * that rays can run along its edges to the last bit. */
-static void make_roof(void)
+enum { ROOF_SQUARES = 16 };
+
+/* A roof of squares over the cube, at heights between 1.0 and 1.5, seen from above a lattice of the
+ * given step about 0, whose points are moved by up to blur. */
+static void make_roof(double step, double blur)
 {
-    enum { SQUARES = 16 };
-    mesh.count = 0;
-    for (int i = 0; i < SQUARES * SQUARES; i++) {
-        float p[4][3];
-        for (int k = 0; k < 4; k++) {
-            const int x = i % SQUARES + k % 2, y = i / SQUARES + k / 2;
-            p[k][0] = -1.0f + 0.125f * (float)x;
-            p[k][1] = -1.0f + 0.125f * (float)y;
-            p[k][2] = 1.0f + 0.0625f * (float)((x * 5 + y * 3) % 8);
+    static float points[ROOF_SQUARES + 1][ROOF_SQUARES + 1][3];
+    air_rng rng = air_rng_from_keys(6, 20);
+    for (int y = 0; y <= ROOF_SQUARES; y++) {
+        for (int x = 0; x <= ROOF_SQUARES; x++) {
+            float *p = points[y][x];
+            p[0] = (float)(step * (x - ROOF_SQUARES / 2) + random_between(&rng, -blur, blur));
+            p[1] = (float)(step * (y - ROOF_SQUARES / 2) + random_between(&rng, -blur, blur));
+            p[2] = 1.0f + 0.0625f * (float)((x * 5 + y * 3) % 8);
         }
-        add_triangle(&mesh, p[0], p[1], p[2]);
-        add_triangle(&mesh, p[1], p[3], p[2]);
+    }
+    mesh.count = 0;
+    for (int y = 0; y < ROOF_SQUARES; y++) {
+        for (int x = 0; x < ROOF_SQUARES; x++) {
+            add_triangle(&mesh, points[y][x], points[y][x + 1], points[y + 1][x]);
+            add_triangle(&mesh, points[y][x + 1], points[y + 1][x + 1], points[y + 1][x]);
+        }
     }
 }
 
@@ -264,7 +270,7 @@ static void rays_along_the_edges_of_a_roof_see_no_light(void **state)
                                      {-0.0, 1},  {0, -1},     {-0.0, -1},  {1, -1},    {-1, 1},
                                      {1, 1e-60}, {1, -1e-60}, {-1e-60, 1}, {1e-60, -1}};
     air_context *context = create_context();
-    make_roof();
+    make_roof(0.125, 0.0); /* on dyadic numbers: rays run along its edges to the last bit */
     start_scene(0.0, 0.0, 1.0);
     for (int covers = 0; covers < 2; covers++) {
         air_shadow_tree_params params;
@@ -280,6 +286,39 @@ static void rays_along_the_edges_of_a_roof_see_no_light(void **state)
             normalise(v);
             assert_int_equal(air_shadow_tree_query(tree, o, v, -0.1, 0.1, found, 8), 1);
             assert_true(found[0].begin == -0.1 && found[0].end == 0.1);
+        }
+        air_shadow_tree_destroy(tree);
+    }
+    air_context_destroy(context);
+}
+
+/* The lattice is that of the tree's cells, two of the cube's sides and the pad of 2e-6 of them at
+ * either end: rays, edges and borders of cells lie within some roundings of floats of each other.
+ */
+static void rays_along_borders_of_cells_see_no_light(void **state)
+{
+    (void)state;
+    const double step = (1.0 + 4e-6) / (ROOF_SQUARES / 2);
+    air_context *context = create_context();
+    air_rng rng = air_rng_from_keys(7, 20);
+    make_roof(step, 1.5e-7);
+    start_scene(0.0, 0.0, 1.0);
+    for (int covers = 0; covers < 2; covers++) {
+        air_shadow_tree_params params;
+        air_shadow_tree_params_default(&params);
+        params.covers = covers == 1;
+        air_shadow_tree *tree = make_tree(context, &scene, &params);
+        for (int i = 0; i < 50000; i++) {
+            const size_t across = (size_t)(i % 2), along = 1 - across;
+            double o[3] = {0.0, 0.0, random_between(&rng, -0.5, 0.5)}, v[3] = {0.0, 0.0, 0.0};
+            air_interval found[64];
+            o[across] = step * (double)(air_rng_next(&rng) % 15u) - 7.0 * step;
+            o[across] += random_between(&rng, -2e-7, 2e-7);
+            v[across] = random_between(&rng, -2e-7, 2e-7);
+            v[along] = 1.0;
+            normalise(v);
+            assert_int_equal(air_shadow_tree_query(tree, o, v, -0.9, 0.9, found, 64), 1);
+            assert_true(found[0].begin == -0.9 && found[0].end == 0.9);
         }
         air_shadow_tree_destroy(tree);
     }
@@ -584,6 +623,7 @@ int main(void)
         cmocka_unit_test(instruction_sets_and_threads_give_the_same_bits),
         cmocka_unit_test(no_ray_finds_a_crack_in_a_closed_sphere),
         cmocka_unit_test(rays_along_the_edges_of_a_roof_see_no_light),
+        cmocka_unit_test(rays_along_borders_of_cells_see_no_light),
         cmocka_unit_test(parts_of_a_ray_add_up_to_the_whole),
         cmocka_unit_test(a_full_list_says_so_and_halves_make_the_whole),
         cmocka_unit_test(rays_that_are_not_finite_give_nothing_or_numbers),

@@ -54,7 +54,8 @@ typedef struct air_shadow_tree_params {
      * each, at least one, finite. What lies below them throws no shadow on them. */
     const double *hull;
     size_t hull_count;
-    uint32_t leaf_size; /* triangles below which a cell is not divided, [1, 64]; default 8 */
+    uint32_t leaf_size; /* triangles below which a cell is not divided, [1, 64]; default 8. Below 4
+                           a cell under an edge divides to the last level: memory explodes */
     uint32_t max_depth; /* [0, 16]; default 12 */
     bool covers;        /* let patches of triangles close cells; false only for tests */
 } air_shadow_tree_params;
@@ -63,9 +64,10 @@ typedef struct air_shadow_tree_params {
 AIR_API void air_shadow_tree_params_default(air_shadow_tree_params *params);
 
 /* Builds the tree over all meshes together, in parallel where the context has threads; the same
- * tree for any number of them. AIR_ERROR_ARGUMENT: to_light is not unit within 1e-6 or not finite,
- * no hull, an index out of range; AIR_ERROR_MEMORY. On failure *out_tree is NULL. The tree copies
- * what it needs. */
+ * tree for any number of them. AIR_ERROR_ARGUMENT: to_light is not
+ * unit within 1e-6, no hull, a number that is not finite, an index or parameter out of range;
+ * AIR_ERROR_UNSUPPORTED: more than 2^28 triangles; AIR_ERROR_MEMORY. On failure *out_tree is NULL.
+ * The tree copies what it needs. */
 AIR_API air_status air_shadow_tree_create(air_context *context,
                                           const air_shadow_tree_params *params,
                                           const air_shadow_mesh *meshes, size_t mesh_count,
