@@ -601,6 +601,21 @@ static void note_guides(const air_surface *surface, float t, air_path_lane *lane
     lane->depth = t;
 }
 
+/* Can the ray bring anything: a further event, emission, guides? */
+static bool matters(const air_path *path, const path_walk *walk, const air_hit *hit)
+{
+    const air_snapshot *snapshot = path->snapshot;
+    if (walk->depth < path->settings.max_depth || path->emissive_media || path->settings.guides ||
+        snapshot->lights.visible_accelerator != NULL) {
+        return true;
+    }
+    if (hit->mesh == (uint32_t)AIR_NO_HIT) {
+        return snapshot->lights.environment_count > 0;
+    }
+    const air_material *material = &snapshot->materials[snapshot->meshes[hit->mesh]->material];
+    return material->unlit || !vec3_is_zero(material->emission);
+}
+
 /* Everything that happens along one ray: emission seen, then the next event. */
 static void arrive(const air_path *path, air_path_scratch *scratch, size_t i, air_path_lane *lanes)
 {
@@ -610,6 +625,9 @@ static void arrive(const air_path *path, air_path_scratch *scratch, size_t i, ai
     air_path_lane *lane = &lanes[walk->lane];
     const bool met = hit->mesh != (uint32_t)AIR_NO_HIT;
     const float t = met ? hit->t : AIR_FAR;
+    if (!matters(path, walk, hit)) {
+        return;
+    }
     air_surface *surface = &next_vertex(scratch)->at.surface;
     air_ray_media *media = &scratch->media;
     air_ray_media_make(media, &path->snapshot->media, vec3_load(ray->origin), vec3_load(ray->dir),

@@ -104,8 +104,10 @@ static void assign(air_owner_table *table, size_t light, method_choice choice)
     uint8_t *rows = table->methods + light * (media + 1) * AIR_TERM_COUNT;
     memset(rows, AIR_METHOD_PATH, (media + 1) * AIR_TERM_COUNT);
     table->modes[light] = (uint8_t)choice.mode;
+    /* Also where a term does not occur (S0 in a medium): path then sees that nothing is left. */
     for (size_t m = 0; choice.method == AIR_METHOD_COLLIMATED && m <= media; m++) {
-        rows[m * AIR_TERM_COUNT + (m < media ? AIR_TERM_M1 : AIR_TERM_S0)] = AIR_METHOD_COLLIMATED;
+        rows[m * AIR_TERM_COUNT + AIR_TERM_S0] = AIR_METHOD_COLLIMATED;
+        rows[m * AIR_TERM_COUNT + AIR_TERM_M1] = AIR_METHOD_COLLIMATED;
     }
 }
 
