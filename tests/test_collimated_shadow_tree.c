@@ -453,6 +453,57 @@ static void rays_that_are_not_finite_give_nothing_or_numbers(void **state)
     air_context_destroy(context);
 }
 
+static void snap_to_quarters(double v[3])
+{
+    for (int i = 0; i < 3; i++) {
+        v[i] = floor(4.0 * v[i]) / 4.0;
+    }
+}
+
+/* Corners and rays on a lattice of quarters: shadows end where rays do, and some that are found are
+ * one float long. */
+static void lists_are_sorted_disjoint_and_without_empty_intervals(void **state)
+{
+    (void)state;
+    air_context *context = create_context();
+    air_rng rng = air_rng_from_keys(9, 20);
+    air_interval found[256];
+    for (uint32_t n = 0; n < 120; n++) {
+        make_soup(&mesh, 200, n + 1);
+        for (size_t i = 0; i < 9 * mesh.count; i++) {
+            mesh.positions[i] = floorf(4.0f * mesh.positions[i]) / 4.0f;
+        }
+        start_scene(n % 3 == 0 ? 1.0 : 0.0, n % 3 == 1 ? 1.0 : 0.0, n % 3 == 2 ? 1.0 : 0.0);
+        air_shadow_tree *tree = make_tree(context, &scene, NULL);
+        for (int i = 0; i < 1000; i++) {
+            double o[3], v[3];
+            for (int k = 0; k < 3; k++) {
+                o[k] = random_between(&rng, -1.0, 1.0);
+                v[k] = random_between(&rng, -1.0, 1.0);
+            }
+            snap_to_quarters(o);
+            snap_to_quarters(v);
+            for (int k = 0; k < 3; k++) {
+                v[k] -= o[k];
+            }
+            const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+            if (length == 0.0) {
+                continue;
+            }
+            normalise(v);
+            const size_t count = air_shadow_tree_query(tree, o, v, 0.0, length, found, 256);
+            assert_true(count <= 256);
+            for (size_t k = 0; k < count; k++) {
+                assert_true(found[k].begin < found[k].end);
+                assert_true(found[k].begin >= (k > 0 ? found[k - 1].end : 0.0));
+                assert_true(found[k].end <= length);
+            }
+        }
+        air_shadow_tree_destroy(tree);
+    }
+    air_context_destroy(context);
+}
+
 static void an_empty_stretch_has_no_shadow(void **state)
 {
     (void)state;
@@ -627,6 +678,7 @@ int main(void)
         cmocka_unit_test(parts_of_a_ray_add_up_to_the_whole),
         cmocka_unit_test(a_full_list_says_so_and_halves_make_the_whole),
         cmocka_unit_test(rays_that_are_not_finite_give_nothing_or_numbers),
+        cmocka_unit_test(lists_are_sorted_disjoint_and_without_empty_intervals),
         cmocka_unit_test(an_empty_stretch_has_no_shadow),
         cmocka_unit_test(without_triangles_there_is_no_shadow),
         cmocka_unit_test(wrong_parameters_are_refused_by_name),

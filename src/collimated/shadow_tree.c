@@ -248,10 +248,18 @@ size_t air_shadow_tree_query(const air_shadow_tree *tree, const double origin[3]
     if (list.full) {
         return capacity + 1;
     }
-    /* Ends that are those of the ray are so to the last bit. */
+    /* Ends that are those of the ray are so to the last bit, which can leave nothing of an interval
+     * that is one float long. */
+    size_t kept = 0;
     for (size_t i = 0; i < list.count; i++) {
-        out[i].begin = out[i].begin <= (double)(float)from ? begin : out[i].begin + shift;
-        out[i].end = out[i].end >= (double)(float)to ? end : out[i].end + shift;
+        const air_interval found = out[i];
+        const air_interval part = {
+            found.begin <= (double)(float)from ? begin : found.begin + shift,
+            found.end >= (double)(float)to ? end : found.end + shift,
+        };
+        if (part.begin < part.end) {
+            out[kept++] = part;
+        }
     }
-    return list.count;
+    return kept;
 }
