@@ -28,8 +28,6 @@ air_draw_tile_function air_draw_tile_c;
 air_draw_tile_function air_draw_tile_avx2;
 air_draw_tile_function air_draw_tile_avx512;
 
-static inline double air_piece_length(const air_collimated_piece *p) { return p->t1 - p->t0; }
-
 static inline size_t air_draw_padded(size_t count)
 {
     return (count + AIR_DRAW_BLOCK - 1) / AIR_DRAW_BLOCK * AIR_DRAW_BLOCK;
@@ -140,10 +138,8 @@ static inline void air_draw_whole_volume(const air_collimated_profile *profile, 
 /* t = a + total u, unoccluded = d exp(-(b + c u)). */
 static inline void air_draw_uniform(const air_collimated_profile *profile, air_draw_tile *tile)
 {
-    double total = 0.0, before = 0.0;
-    for (size_t k = 0; k < profile->count; k++) {
-        total += air_piece_length(&profile->pieces[k]);
-    }
+    const double total = air_profile_length(profile);
+    double before = 0.0;
     for (size_t k = 0, i = 0; i < tile->count; k++) {
         const air_collimated_piece *p = &profile->pieces[k];
         const bool last = k + 1 == profile->count;

@@ -10,27 +10,16 @@ typedef struct placed_sample {
     double from_camera; /* part of the depth that per_density leaves to cancel: see below */
 } placed_sample;
 
-static double piece_length(const air_collimated_piece *p) { return p->t1 - p->t0; }
-
-static double total_length(const air_collimated_profile *profile)
-{
-    double total = 0.0;
-    for (size_t i = 0; i < profile->count; i++) {
-        total += piece_length(&profile->pieces[i]);
-    }
-    return total;
-}
-
 /* Uniform over the pieces. */
 static placed_sample place_uniformly(const air_collimated_profile *profile, double u)
 {
-    const double total = total_length(profile);
+    const double total = air_profile_length(profile);
     double rest = u * total;
     const air_collimated_piece *p = profile->pieces, *last = p + profile->count - 1;
-    for (; p < last && rest >= piece_length(p); p++) {
-        rest -= piece_length(p);
+    for (; p < last && rest >= air_piece_length(p); p++) {
+        rest -= air_piece_length(p);
     }
-    const double s = rest / piece_length(p);
+    const double s = rest / air_piece_length(p);
     return (placed_sample){.piece = p, .s = s < 1.0 ? s : 1.0, .per_density = total};
 }
 
@@ -94,7 +83,7 @@ static bool place_by_extinction(const air_collimated_profile *profile, double u,
     const double s = (camera - pieces[i].camera0) / rise;
     out->piece = &pieces[i];
     out->s = s < 1.0 ? (s > 0.0 ? s : 0.0) : 1.0;
-    out->per_density = total * piece_length(&pieces[i]) / rise;
+    out->per_density = total * air_piece_length(&pieces[i]) / rise;
     out->from_camera = air_piece_interpolate(pieces[i].camera0, pieces[i].camera1, out->s) - base;
     return true;
 }
@@ -124,7 +113,7 @@ air_collimated_draw air_collimated_estimate(air_collimated_estimator estimator,
     }
     const air_collimated_piece *p = sample.piece;
     const double depth = air_piece_interpolate(p->depth0, p->depth1, sample.s);
-    draw.t = p->t0 + piece_length(p) * sample.s;
+    draw.t = p->t0 + air_piece_length(p) * sample.s;
     draw.unoccluded = p->weight * sample.per_density * exp(sample.from_camera - depth);
     return draw;
 }
@@ -145,10 +134,10 @@ double air_collimated_estimate_pdf(air_collimated_estimator estimator,
     const bool by_extinction = estimator == AIR_COLLIMATED_DS || estimator == AIR_COLLIMATED_REDS;
     const double mass = by_extinction ? camera_mass(profile) : 0.0;
     if (!(mass > 0.0)) {
-        return 1.0 / total_length(profile);
+        return 1.0 / air_profile_length(profile);
     }
-    const double s = (t - p->t0) / piece_length(p);
+    const double s = (t - p->t0) / air_piece_length(p);
     const double camera = air_piece_interpolate(p->camera0, p->camera1, s);
-    return (p->camera1 - p->camera0) / piece_length(p) * exp(profile->pieces[0].camera0 - camera) /
-           mass;
+    return (p->camera1 - p->camera0) / air_piece_length(p) *
+           exp(profile->pieces[0].camera0 - camera) / mass;
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "collimated/moment_bound.h"
+#include "collimated/vector.h"
 #include "core/host.h"
 #include "core/vec.h"
 
@@ -24,24 +25,6 @@ struct air_moment_map {
 };
 
 /* ---- geometry ---- */
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* [Duff2017] */
-static void make_axes(const double n[3], double s[3], double t[3])
-{
-    const double sign = copysign(1.0, n[2]);
-    const double a = -1.0 / (sign + n[2]), b = n[0] * n[1] * a;
-    s[0] = 1.0 + sign * n[0] * n[0] * a;
-    s[1] = sign * b;
-    s[2] = -sign * n[0];
-    t[0] = b;
-    t[1] = sign + n[1] * n[1] * a;
-    t[2] = -n[1];
-}
 
 /* The signed depth of a slope seen from the camera: -1 towards the light, 0 level, 1 away from it
  * and for nothing (z = -INFINITY). */
@@ -66,7 +49,7 @@ void air_moment_ray_origin(const air_moment_params *params, size_t row, size_t c
                            double height, double out_origin[3])
 {
     double s[3], t[3];
-    make_axes(params->to_light, s, t);
+    air_axes_across(params->to_light, s, t);
     const double azimuth = row_azimuth(params, (double)row + 0.5);
     const double rho = column_rho(params, (double)column + 0.5);
     for (int i = 0; i < 3; i++) {
@@ -108,18 +91,18 @@ static double segment_distance(const double a[2], const double b[2])
 void air_moment_params_fit(const double (*hull)[3], size_t hull_count, air_moment_params *params)
 {
     double s[3], t[3], nearest = INFINITY, farthest = 0.0, widest = -1.0, after_gap = 0.0;
-    make_axes(params->to_light, s, t);
+    air_axes_across(params->to_light, s, t);
     /* Each pair of points spans a segment inside the hull's projection, its edges are among them.
      * The widest gap between neighbouring azimuths is what no ray needs; none of pi or more means
      * that the axis goes through the hull. */
     for (size_t i = 0; i < hull_count; i++) {
         const double *o = params->origin;
         const double x[3] = {hull[i][0] - o[0], hull[i][1] - o[1], hull[i][2] - o[2]};
-        const double a[2] = {dot(x, s), dot(x, t)};
+        const double a[2] = {air_dot3(x, s), air_dot3(x, t)};
         double gap = 2.0 * AIR_PI, next = atan2(a[1], a[0]);
         for (size_t k = 0; k < hull_count; k++) {
             const double y[3] = {hull[k][0] - o[0], hull[k][1] - o[1], hull[k][2] - o[2]};
-            const double b[2] = {dot(y, s), dot(y, t)};
+            const double b[2] = {air_dot3(y, s), air_dot3(y, t)};
             nearest = fmin(nearest, segment_distance(a, b));
             double turn = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
             turn += turn < 0.0 ? 2.0 * AIR_PI : 0.0;
@@ -143,8 +126,8 @@ void air_moment_params_fit(const double (*hull)[3], size_t hull_count, air_momen
 
 static const char *params_fault(const air_moment_params *p)
 {
-    if (!(isfinite(dot(p->origin, p->origin)) &&
-          fabs(dot(p->to_light, p->to_light) - 1.0) < 1e-6)) {
+    if (!(isfinite(air_dot3(p->origin, p->origin)) &&
+          fabs(air_dot3(p->to_light, p->to_light) - 1.0) < 1e-6)) {
         return "origin must be finite and to_light unit";
     }
     const double turn = p->azimuth_end - p->azimuth_begin;
@@ -219,7 +202,7 @@ air_status air_moment_map_create(air_context *context, const air_moment_params *
     map->params = *params;
     map->row_step = (params->azimuth_end - params->azimuth_begin) / (double)rows;
     map->rho_step = (params->rho_end - params->rho_begin) / (double)columns;
-    make_axes(params->to_light, map->axis_s, map->axis_t);
+    air_axes_across(params->to_light, map->axis_s, map->axis_t);
     map->heights = air_allocate(context, rows * columns, sizeof *map->heights);
     map->sums = air_allocate(context, rows, (columns + 1) * set_size);
     if (map->heights == NULL || map->sums == NULL) {
@@ -254,8 +237,8 @@ typedef struct map_ray {
 static map_ray to_map(const air_moment_map *map, const double dir[3], double begin, double end)
 {
     const air_moment_params *p = &map->params;
-    const double s = dot(dir, map->axis_s), t = dot(dir, map->axis_t);
-    map_ray ray = {.rise = dot(dir, p->to_light), .run = hypot(s, t)};
+    const double s = air_dot3(dir, map->axis_s), t = air_dot3(dir, map->axis_t);
+    map_ray ray = {.rise = air_dot3(dir, p->to_light), .run = hypot(s, t)};
     double turn = fmod(atan2(t, s) - p->azimuth_begin, 2.0 * AIR_PI);
     turn += turn < 0.0 ? 2.0 * AIR_PI : 0.0;
     /* Beyond the last row: is the first one nearer? */

@@ -25,6 +25,18 @@ static inline double air_mean_transmittance(double x)
     return x < 40.0 ? (1.0 - exp(-x)) / x : 1.0 / x; /* exp(-40) is below half an epsilon */
 }
 
+static inline double air_piece_length(const air_collimated_piece *p) { return p->t1 - p->t0; }
+
+/* Of all pieces together. */
+static inline double air_profile_length(const air_collimated_profile *profile)
+{
+    double total = 0.0;
+    for (size_t i = 0; i < profile->count; i++) {
+        total += air_piece_length(&profile->pieces[i]);
+    }
+    return total;
+}
+
 static inline double air_piece_interpolate(double at0, double at1, double s)
 {
     return at0 + (at1 - at0) * s;

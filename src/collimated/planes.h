@@ -2,9 +2,8 @@
 #ifndef AIR_COLLIMATED_PLANES_H
 #define AIR_COLLIMATED_PLANES_H
 
-#include <math.h>
-
 #include "airlight/collimated.h"
+#include "collimated/vector.h"
 
 /* n.x <= h along o + t v reads nv t <= no, with no = h - n.o and nv = n.v. */
 typedef struct air_plane_crossings {
@@ -12,20 +11,6 @@ typedef struct air_plane_crossings {
     double begin, end;  /* the stretch inside; end may be INFINITY */
     size_t enter, exit; /* the planes at its ends; plane_count where no plane ends it */
 } air_plane_crossings;
-
-/* One instruction each; fmin and fmax are calls, for the sake of NaN. */
-static inline double double_min(double a, double b) { return a < b ? a : b; }
-static inline double double_max(double a, double b) { return a > b ? a : b; }
-
-static inline bool air_finite3(const double v[3])
-{
-    return (v[0] - v[0]) + (v[1] - v[1]) + (v[2] - v[2]) == 0.0;
-}
-
-static inline double air_dot3(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* n.l where the plane faces the light; 0 where it looks away, or is parallel to the light to within
  * rounding: then it never stops a ray towards the light. 1e-15 is the rounding of n.l / |n|. */

@@ -8,6 +8,7 @@
 #include <math.h>
 
 #include "collimated/point_piece.h"
+#include "collimated/vector.h"
 
 /* Gauss-Legendre of 10 points on [0, 1]: air_gauss_legendre(10), moved there. */
 enum { POINTS = 10 };
@@ -51,11 +52,6 @@ double air_point_piece_integral(const air_point_profile *profile, const air_poin
 
 /* ---- the medium and the cone ---- */
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* A face as the ray and the light see it. */
 typedef struct face {
     double no, nv, c;
@@ -69,8 +65,8 @@ static size_t make_faces(const air_collimated_medium *medium, const double posit
     size_t count = 0;
     for (size_t k = 0; k < medium->plane_count; k++) {
         const double *plane = medium->planes[k];
-        const face f = {plane[3] - dot(plane, origin), dot(plane, dir),
-                        dot(plane, position) - plane[3]};
+        const face f = {plane[3] - air_dot3(plane, origin), air_dot3(plane, dir),
+                        air_dot3(plane, position) - plane[3]};
         if (f.nv > 0.0) {
             *b = fmin(*b, f.no / f.nv);
         } else if (f.nv < 0.0) {
@@ -90,7 +86,8 @@ static size_t make_faces(const air_collimated_medium *medium, const double posit
 static bool cone_interval(const double w[3], const double dir[3], const double axis[3], double c,
                           double begin, double end, air_interval *out)
 {
-    const double wa = dot(w, axis), va = dot(dir, axis), wv = dot(w, dir), ww = dot(w, w);
+    const double wa = air_dot3(w, axis), va = air_dot3(dir, axis), wv = air_dot3(w, dir),
+                 ww = air_dot3(w, w);
     const double alpha = va * va - c * c, beta = wa * va - c * c * wv, gamma = wa * wa - c * c * ww;
     const double s = -(beta + copysign(sqrt(fmax(beta * beta - alpha * gamma, 0.0)), beta));
     double r0 = s / alpha, r1 = gamma / s; /* NaN and infinity cut nothing */
@@ -324,15 +321,15 @@ static void place_light(air_point_profile *q, const air_point_light *light, cons
 {
     const double cross[3] = {w[1] * dir[2] - w[2] * dir[1], w[2] * dir[0] - w[0] * dir[2],
                              w[0] * dir[1] - w[1] * dir[0]};
-    q->foot = -dot(w, dir);
-    q->height = sqrt(dot(cross, cross));
-    if (q->height <= 8.0 * DBL_EPSILON * sqrt(dot(w, w)) || q->height < 1e-140) {
+    q->foot = -air_dot3(w, dir);
+    q->height = sqrt(air_dot3(cross, cross));
+    if (q->height <= 8.0 * DBL_EPSILON * sqrt(air_dot3(w, w)) || q->height < 1e-140) {
         q->height = 0.0; /* on the ray, within the rounding of the products */
     }
     if (light->is_spot) {
         const double outer = cos(light->outer_cone_rad);
-        q->axis_slope = dot(dir, light->axis);
-        q->axis_foot = dot(w, light->axis) + q->foot * q->axis_slope;
+        q->axis_slope = air_dot3(dir, light->axis);
+        q->axis_foot = air_dot3(w, light->axis) + q->foot * q->axis_slope;
         q->falloff_scale = 1.0 / fmax(0.001, cos(light->inner_cone_rad) - outer);
         q->falloff_offset = -outer * q->falloff_scale;
     }
@@ -365,7 +362,7 @@ void air_point_profile_make(const air_collimated_medium *medium, const air_point
     const size_t count = make_faces(medium, p, origin, dir, &a, &b, faces);
     air_interval lit;
     if (isnan(t_max) ||
-        !(sigma_t >= 0.0 && isfinite(dot(w, w) + dot(dir, dir) + sigma_t) && a < b) ||
+        !(sigma_t >= 0.0 && isfinite(air_dot3(w, w) + air_dot3(dir, dir) + sigma_t) && a < b) ||
         !air_point_cone_interval(light, origin, dir, a, b, &lit)) {
         return;
     }

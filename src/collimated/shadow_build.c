@@ -13,6 +13,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "collimated/vector.h"
 #include "core/host.h"
 
 enum {
@@ -76,13 +77,10 @@ static bool reserve(subtree *self, void **items, size_t *capacity, size_t count,
 
 /* ---- one triangle in one cell ---- */
 
-static double minimum(double a, double b) { return a < b ? a : b; }
-static double maximum(double a, double b) { return a > b ? a : b; }
-
 /* Do the two edges' ends leave the square on this axis to one side? */
 static bool apart(double a, double b, double centre, double half)
 {
-    return maximum(a, b) < centre - half || minimum(a, b) > centre + half;
+    return double_max(a, b) < centre - half || double_min(a, b) > centre + half;
 }
 
 /* The heights of the triangle's plane over the square, where the triangle is larger than it and not
@@ -93,7 +91,7 @@ static void tighten(const shadow_triangle *t, const cell *c, double half, double
     const double x0 = (double)t->x[0], y0 = (double)t->y[0], z0 = (double)t->z[0];
     const double ux = (double)t->x[1] - x0, uy = (double)t->y[1] - y0, uz = (double)t->z[1] - z0;
     const double vx = (double)t->x[2] - x0, vy = (double)t->y[2] - y0, vz = (double)t->z[2] - z0;
-    const double size2 = maximum(ux * ux + uy * uy, vx * vx + vy * vy);
+    const double size2 = double_max(ux * ux + uy * uy, vx * vx + vy * vy);
     if (!(fabs(area) > 1e-6 * size2) || size2 < half * half) {
         return;
     }
@@ -102,8 +100,8 @@ static void tighten(const shadow_triangle *t, const cell *c, double half, double
     const double reach = (fabs(gx) + fabs(gy)) * half;
     /* rounded outwards by more than the rounding of float and of the plane */
     const double slack = 1e-6 * (reach + fabs(z0)) * 0.25;
-    out->low = (float)maximum((double)out->low, middle - reach - slack);
-    out->high = (float)minimum((double)out->high, middle + reach + slack);
+    out->low = (float)double_max((double)out->low, middle - reach - slack);
+    out->high = (float)double_min((double)out->high, middle + reach + slack);
 }
 
 /* Triangle and square against each other by separating axes. False if they are apart. */
@@ -122,8 +120,10 @@ static bool meet(const subtree *self, int32_t triangle, const cell *c, double lo
         x[k] = (double)t->x[k] - c->x;
         y[k] = (double)t->y[k] - c->y;
     }
-    if (minimum(x[0], minimum(x[1], x[2])) > half || maximum(x[0], maximum(x[1], x[2])) < -half ||
-        minimum(y[0], minimum(y[1], y[2])) > half || maximum(y[0], maximum(y[1], y[2])) < -half) {
+    if (double_min(x[0], double_min(x[1], x[2])) > half ||
+        double_max(x[0], double_max(x[1], x[2])) < -half ||
+        double_min(y[0], double_min(y[1], y[2])) > half ||
+        double_max(y[0], double_max(y[1], y[2])) < -half) {
         return false;
     }
     const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);

@@ -41,19 +41,12 @@ static bool chord(double r, double nearest, double t_foot, double speed2, air_in
     return true;
 }
 
-static void cross3(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* The ray relative to the centre, w + t v. Distances to a line through the centre come from w x v,
  * which does not cancel where the foot of the perpendicular is far away. */
 static bool meet_ball(const double w[3], const double v[3], double radius, air_interval *out)
 {
     double moment[3];
-    cross3(w, v, moment);
+    air_cross3(w, v, moment);
     return chord(radius, sqrt(air_dot3(moment, moment)), -air_dot3(w, v), 1.0, out);
 }
 
@@ -80,7 +73,7 @@ static bool meet_half_cylinder(const double w[3], const double v[3], const doubl
     const double speed2 = air_dot3(v_across, v_across);
     *out = (air_interval){-INFINITY, INFINITY};
     if (speed2 > across_rounding) {
-        cross3(w_across, v_across, moment);
+        air_cross3(w_across, v_across, moment);
         const double nearest = fabs(air_dot3(moment, l)) / sqrt(speed2);
         if (!chord(radius, nearest, -air_dot3(w_across, v_across) / speed2, speed2, out)) {
             return false;

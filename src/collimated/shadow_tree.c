@@ -6,6 +6,7 @@
 
 #include "collimated/shadow_build.h"
 #include "collimated/shadow_mesh.h"
+#include "collimated/vector.h"
 #include "core/host.h"
 
 void air_shadow_tree_params_default(air_shadow_tree_params *params)
@@ -18,7 +19,7 @@ void air_shadow_tree_params_default(air_shadow_tree_params *params)
 static air_status check(air_context *context, const air_shadow_tree_params *params)
 {
     const double *l = params->to_light;
-    const double length = sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]);
+    const double length = sqrt(air_dot3(l, l));
     if (!(fabs(length - 1.0) <= 1e-6)) {
         return air_fail(context, AIR_ERROR_ARGUMENT,
                         "shadow tree: the direction to the light has length %g, expected 1",
@@ -41,33 +42,14 @@ static air_status check(air_context *context, const air_shadow_tree_params *para
     return AIR_OK;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Two axes across the light, from the coordinate axis that is most across it. */
+/* Two axes across the light, and the light's own. */
 static void make_axes(const double to_light[3], double axes[3][3])
 {
-    const double scale = 1.0 / sqrt(dot(to_light, to_light));
-    int least = 0;
+    const double scale = 1.0 / sqrt(air_dot3(to_light, to_light));
     for (int k = 0; k < 3; k++) {
         axes[2][k] = to_light[k] * scale;
-        least = fabs(to_light[k]) < fabs(to_light[least]) ? k : least;
     }
-    const double *l = axes[2];
-    double length2 = 0.0;
-    for (int k = 0; k < 3; k++) {
-        axes[0][k] = (k == least ? 1.0 : 0.0) - l[least] * l[k];
-        length2 += axes[0][k] * axes[0][k];
-    }
-    for (int k = 0; k < 3; k++) {
-        axes[0][k] /= sqrt(length2);
-    }
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        axes[1][k] = l[i] * axes[0][j] - l[j] * axes[0][i];
-    }
+    air_axes_across(axes[2], axes[0], axes[1]);
 }
 
 /* Cells are widened by 2e-6 of the domain: ten times the rounding of a point in floats there. */
@@ -81,7 +63,7 @@ static void make_frame(const air_shadow_tree_params *params, shadow_frame *out)
         low[a] = INFINITY;
         high[a] = -INFINITY;
         for (size_t i = 0; i < params->hull_count; i++) {
-            const double at = dot(out->axes[a], params->hull + 3 * i);
+            const double at = air_dot3(out->axes[a], params->hull + 3 * i);
             low[a] = fmin(low[a], at);
             high[a] = fmax(high[a], at);
         }
@@ -202,10 +184,10 @@ static double make_ray(const shadow_frame *frame, const double origin[3], const 
         q[k] = origin[k] - frame->centre[k];
     }
     for (int a = 0; a < 3; a++) {
-        o[a] = dot(frame->axes[a], q);
-        v[a] = dot(frame->axes[a], dir);
+        o[a] = air_dot3(frame->axes[a], q);
+        v[a] = air_dot3(frame->axes[a], dir);
     }
-    const double shift = -dot(o, v);
+    const double shift = -air_dot3(o, v);
     for (int a = 0; a < 3; a++) {
         o[a] += shift * v[a];
     }

@@ -61,12 +61,11 @@ static double phase_sample(const air_collimated_walk_params *params, double u)
                                       : (double)angle.one_plus_cos - 1.0;
 }
 
-/* Turns the unit vector v by the angle, about itself by the azimuth [Duff2017]. */
+/* Turns the unit vector v by the angle, about itself by the azimuth. */
 static void turn(double v[3], double cos_theta, double azimuth)
 {
-    const double sign = copysign(1.0, v[2]), a = -1.0 / (sign + v[2]), b = v[0] * v[1] * a;
-    const double s[3] = {1.0 + sign * v[0] * v[0] * a, sign * b, -sign * v[0]};
-    const double t[3] = {b, sign + v[1] * v[1] * a, -v[1]};
+    double s[3], t[3];
+    air_axes_across(v, s, t);
     const double sin_theta = sqrt(double_max(0.0, (1.0 - cos_theta) * (1.0 + cos_theta)));
     const double cs = sin_theta * cos(azimuth), ct = sin_theta * sin(azimuth);
     double w[3];
