@@ -216,6 +216,36 @@ static void every_mode_has_the_expectation_of_path(void **state)
     air_context_destroy(context);
 }
 
+/* Suns of which one keeps three sums and the other does not, in chromatic media: the choice between
+ * them goes by luminance, what they give does not. */
+static void ratio_and_plain_modes_mix(void **state)
+{
+    (void)state;
+    static const char *const methods[] = {"sun=collimated:rees,second sun=collimated:rm",
+                                          "sun=collimated:ds,second sun=collimated:reds"};
+    messages m;
+    air_context *context = make_context(2, &m);
+    sun_scene s = scene_number(2);
+    air_snapshot *snapshot;
+    s.lamp = false;
+    room_set3(s.sigma_s, 0.2f, 0.5f, 1.2f);
+    assert_int_equal(sun_scene_make(context, &s, &snapshot), AIR_OK);
+    air_render_params params = picture("path", 512);
+    params.variance_replicates = REPLICATES;
+    params.layers = false;
+    air_image *truth = render(context, snapshot, &params);
+    for (size_t k = 0; k < 2; k++) {
+        params.methods = methods[k];
+        params.seed = 3 + k;
+        air_image *image = render(context, snapshot, &params);
+        assert_same_expectation(context, image, truth, 2, methods[k]);
+        air_image_destroy(image);
+    }
+    air_image_destroy(truth);
+    air_snapshot_release(snapshot);
+    air_context_destroy(context);
+}
+
 /* Through pixel centres nothing in an exact picture is left to chance: one sample gives what 32
  * give, to the rounding of sums of doubles. */
 static void exact_pictures_have_no_noise(void **state)
@@ -407,6 +437,7 @@ int main(void)
         cmocka_unit_test(owners_are_as_asked_for),
         cmocka_unit_test(what_does_not_apply_is_left_to_path_with_one_warning),
         cmocka_unit_test(every_mode_has_the_expectation_of_path),
+        cmocka_unit_test(ratio_and_plain_modes_mix),
         cmocka_unit_test(exact_pictures_have_no_noise),
         cmocka_unit_test(moments_come_near),
         cmocka_unit_test(threads_tiles_and_splits_change_no_byte),

@@ -21,6 +21,12 @@ typedef struct air_vec3 {
 static inline air_vec3 vec3(float x, float y, float z) { return (air_vec3){x, y, z}; }
 static inline air_vec3 vec3_set1(float s) { return (air_vec3){s, s, s}; }
 static inline air_vec3 vec3_load(const float v[3]) { return (air_vec3){v[0], v[1], v[2]}; }
+static inline void vec3_store64(double out[3], air_vec3 v)
+{
+    out[0] = (double)v.x;
+    out[1] = (double)v.y;
+    out[2] = (double)v.z;
+}
 static inline void vec3_store(float out[3], air_vec3 v)
 {
     out[0] = v.x;

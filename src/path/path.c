@@ -425,10 +425,10 @@ static const air_collimated_profile *light_profile(const air_path *path, air_pat
     const air_ray_media *media = &scratch->media;
     const air_light *light = &path->snapshot->lights.entries[point->entry];
     const air_ray_segment *segment = &media->segments[0];
-    const air_vec3 o = media->origin, v = media->dir, l = point->dir;
-    const double origin[3] = {(double)o.x, (double)o.y, (double)o.z};
-    const double dir[3] = {(double)v.x, (double)v.y, (double)v.z};
-    const double to_light[3] = {(double)l.x, (double)l.y, (double)l.z};
+    double origin[3], dir[3], to_light[3];
+    vec3_store64(origin, media->origin);
+    vec3_store64(dir, media->dir);
+    vec3_store64(to_light, point->dir);
     air_collimated_profile *profile = &scratch->profile;
     *profile = (air_collimated_profile){.pieces = scratch->pieces[0], .capacity = CAPACITY};
     air_collimated_profile_make(&path->volume, to_light, (double)vec3_mean(segment->sigma_t),

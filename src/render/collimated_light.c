@@ -7,13 +7,6 @@
 #include "path/ray_media.h"
 #include "render/collimated_state.h"
 
-static void load3(air_vec3 v, double out[3])
-{
-    out[0] = (double)v.x;
-    out[1] = (double)v.y;
-    out[2] = (double)v.z;
-}
-
 static air_vec3 rgb(const double v[3]) { return vec3((float)v[0], (float)v[1], (float)v[2]); }
 
 /* ---- profiles ---- */
@@ -23,11 +16,9 @@ static void weigh_cells(const air_with_collimated *with, const collimated_beam *
                         air_collimated_cell *cells)
 {
     const air_media *media = &with->snapshot->media;
-    const double cosine = b->dir[0] * b->lamp->to_light[0] + b->dir[1] * b->lamp->to_light[1] +
-                          b->dir[2] * b->lamp->to_light[2];
     for (size_t r = 0; r < with->region_count; r++) {
         const air_region *region = &media->regions[r];
-        const float phase = phase_eval(media->media[region->medium].phase, (float)cosine);
+        const float phase = phase_eval(media->media[region->medium].phase, b->cosine);
         cells[r].weight = (double)air_channel(region->sigma_s, (int)channel) * (double)phase;
     }
 }
@@ -56,9 +47,7 @@ static air_vec3 common_factor(const air_with_collimated *with, const collimated_
     if (with->region_count > 1) {
         return b->lamp->light->color;
     }
-    const double cosine = b->dir[0] * b->lamp->to_light[0] + b->dir[1] * b->lamp->to_light[1] +
-                          b->dir[2] * b->lamp->to_light[2];
-    const float phase = phase_eval(media->media[region->medium].phase, (float)cosine);
+    const float phase = phase_eval(media->media[region->medium].phase, b->cosine);
     return vec3_scale(vec3_mul(region->sigma_s, b->lamp->light->color), phase);
 }
 
@@ -71,28 +60,32 @@ static bool make_beam(const air_with_collimated *with, air_collimated_scratch *s
     const double t_max = met ? (double)lane->hit.t : INFINITY;
     out->lamp = lamp;
     out->profiles = scratch->profiles + 3 * lamp_index;
-    load3(lane->origin, out->origin);
-    load3(lane->dir, out->dir);
+    vec3_store64(out->origin, lane->origin);
+    vec3_store64(out->dir, lane->dir);
+    out->cosine = (float)(out->dir[0] * lamp->to_light[0] + out->dir[1] * lamp->to_light[1] +
+                          out->dir[2] * lamp->to_light[2]);
     out->begin = INFINITY;
     out->end = -INFINITY;
-    out->windows = scratch->windows;
-    out->window_count =
-        lamp->light->window_count > 0
-            ? air_light_open_stretches(lamp->light, out->origin, out->dir, scratch->windows)
-            : SIZE_MAX;
+    const bool windows = lamp->light->window_count > 0;
+    if (windows) {
+        out->open_count =
+            air_light_open_stretches(lamp->light, out->origin, out->dir, scratch->open);
+    }
     for (size_t c = 0; c < with->channels; c++) {
         air_collimated_profile *profile = &out->profiles[c];
-        if (out->window_count == SIZE_MAX) {
-            make_profile(with, scratch, out, c, t_max, profile);
-        } else {
-            make_profile(with, scratch, out, c, t_max, &scratch->plain);
-            air_collimated_profile_restrict(&scratch->plain, out->windows, out->window_count,
+        make_profile(with, scratch, out, c, t_max, windows ? &scratch->plain : profile);
+        if (windows) {
+            air_collimated_profile_restrict(&scratch->plain, scratch->open, out->open_count,
                                             profile);
         }
         if (profile->count > 0) {
             out->begin = fmin(out->begin, profile->pieces[0].t0);
             out->end = fmax(out->end, profile->pieces[profile->count - 1].t1);
         }
+    }
+    if (!windows) {
+        scratch->open[0] = (air_interval){out->begin, out->end};
+        out->open_count = 1;
     }
     out->factor = common_factor(with, out);
     return out->begin < out->end;
@@ -101,12 +94,11 @@ static bool make_beam(const air_with_collimated *with, air_collimated_scratch *s
 /* ---- drawing a distance ---- */
 
 /* One sample for all channels: drawn for one of those that see something, all of them in the
- * density. */
+ * density. unoccluded: integrand over density. */
 static double draw(const air_with_collimated *with, const air_collimated_profile *profiles,
-                   air_collimated_estimator estimator, double u, double analytic[3],
-                   double unoccluded[3])
+                   air_collimated_estimator estimator, double u, double unoccluded[3])
 {
-    size_t chosen[3], count = 0;
+    size_t chosen[3] = {0}, count = 0;
     for (size_t c = 0; c < with->channels; c++) {
         if (profiles[c].count > 0) {
             chosen[count++] = c;
@@ -115,11 +107,8 @@ static double draw(const air_with_collimated *with, const air_collimated_profile
     const size_t k = (size_t)fmin(u * (double)count, (double)count - 1.0);
     const air_collimated_draw first = air_collimated_estimate(
         estimator, &profiles[chosen[k]], fmin(u * (double)count - (double)k, 0x1.fffffffffffffp-1));
-    for (size_t c = 0; c < 3; c++) {
-        analytic[c] = first.analytic;
-        unoccluded[c] = first.unoccluded;
-    }
     if (with->channels == 1) {
+        unoccluded[0] = unoccluded[1] = unoccluded[2] = first.unoccluded;
         return first.t;
     }
     double density = 0.0;
@@ -128,7 +117,6 @@ static double draw(const air_with_collimated *with, const air_collimated_profile
             air_collimated_estimate_pdf(estimator, &profiles[chosen[i]], first.t) / (double)count;
     }
     for (size_t c = 0; c < 3; c++) {
-        analytic[c] = air_collimated_integral(&profiles[c]);
         unoccluded[c] =
             density > 0.0 ? air_collimated_integrand(&profiles[c], first.t) / density : 0.0;
     }
@@ -147,36 +135,51 @@ static air_ray ray_to_light(const collimated_beam *b, double t)
 
 /* ---- exact ---- */
 
-/* What lies between the shadows of opaque triangles adds its integral. Surfaces with coverage are
- * looked for at one point drawn there. */
-static void add_gaps(const air_with_collimated *with, air_collimated_scratch *scratch,
-                     const collimated_beam *b, size_t gap_count, double u, double sums[3])
+/* The integral over the gaps of the list; for channels that share a profile once. */
+static void integrate_gaps(const air_with_collimated *with, const air_collimated_scratch *scratch,
+                           const collimated_beam *b, size_t gap_count, double parts[3])
 {
-    double parts[3] = {0.0, 0.0, 0.0};
-    for (size_t c = 0; c < with->channels; c++) {
-        for (size_t i = 0; i < gap_count; i++) {
+    for (size_t c = 0; c < 3; c++) {
+        parts[c] = c < with->channels ? 0.0 : parts[0];
+        for (size_t i = 0; c < with->channels && i < gap_count; i++) {
             parts[c] += air_collimated_partial_integral(&b->profiles[c], scratch->gaps[i].begin,
                                                         scratch->gaps[i].end);
         }
     }
-    for (size_t c = with->channels; c < 3; c++) {
-        parts[c] = parts[0];
+}
+
+/* The same where surfaces with coverage may be in the way: they are looked for at one point drawn
+ * there. */
+static void sample_gaps(const air_with_collimated *with, air_collimated_scratch *scratch,
+                        const collimated_beam *b, size_t gap_count, double u, double parts[3])
+{
+    size_t count = 0;
+    for (size_t c = 0; c < with->channels; c++) {
+        air_collimated_profile_restrict(&b->profiles[c], scratch->gaps, gap_count,
+                                        &scratch->lit[c]);
+        count += scratch->lit[c].count;
     }
-    if (with->snapshot->has_alpha && b->lamp->casts_shadow) {
-        double analytic[3];
-        for (size_t c = 0; c < with->channels; c++) {
-            air_collimated_profile_restrict(&b->profiles[c], scratch->gaps, gap_count,
-                                            &scratch->lit[c]);
-        }
-        if (scratch->lit[0].count + scratch->lit[1].count + scratch->lit[2].count == 0) {
-            return;
-        }
-        const double t = draw(with, scratch->lit, AIR_COLLIMATED_WVDS, u, analytic, parts);
-        const air_ray ray = ray_to_light(b, t);
-        const double through = (double)air_path_alpha_transmittance(with->path, &ray);
-        for (size_t c = 0; c < 3; c++) {
-            parts[c] *= through;
-        }
+    if (count == 0) {
+        parts[0] = parts[1] = parts[2] = 0.0;
+        return;
+    }
+    const double t = draw(with, scratch->lit, AIR_COLLIMATED_WVDS, u, parts);
+    const air_ray ray = ray_to_light(b, t);
+    const double through = (double)air_path_alpha_transmittance(with->path, &ray);
+    for (size_t c = 0; c < 3; c++) {
+        parts[c] *= through;
+    }
+}
+
+/* What lies between the shadows of opaque triangles adds its integral. */
+static void add_gaps(const air_with_collimated *with, air_collimated_scratch *scratch,
+                     const collimated_beam *b, size_t gap_count, double u, double sums[3])
+{
+    double parts[3];
+    if (with->snapshot->has_alpha && b->lamp->light->casts_shadow) {
+        sample_gaps(with, scratch, b, gap_count, u, parts);
+    } else {
+        integrate_gaps(with, scratch, b, gap_count, parts);
     }
     for (size_t c = 0; c < 3; c++) {
         sums[c] += parts[c];
@@ -248,7 +251,7 @@ static void add_bounded(const air_with_collimated *with, const collimated_beam *
     if (asked.begin < asked.end) {
         air_moment_choice choice;
         air_moment_choice_default(&choice);
-        share = lamp->own_weights
+        share = collimated_own_weights(lamp->mode)
                     ? air_moment_shadow_weighted(lamp->moments, b->dir, asked.begin, asked.end,
                                                  own_weight, &b->profiles[0], &choice)
                     : air_moment_shadow(lamp->moments, b->dir, asked.begin, asked.end, &choice);
@@ -277,12 +280,9 @@ static void add_open_stretches(const air_with_collimated *with, air_collimated_s
                                const collimated_beam *b, double u, air_path_lane *lane)
 {
     double sums[3] = {0.0, 0.0, 0.0};
-    if (b->window_count == SIZE_MAX) {
-        add_noiseless(with, scratch, b, b->begin, b->end, u, sums);
-    }
-    for (size_t i = 0; b->window_count != SIZE_MAX && i < b->window_count; i++) {
-        const double begin = fmax(b->windows[i].begin, b->begin);
-        const double end = fmin(b->windows[i].end, b->end);
+    for (size_t i = 0; i < b->open_count; i++) {
+        const double begin = fmax(scratch->open[i].begin, b->begin);
+        const double end = fmin(scratch->open[i].end, b->end);
         if (begin < end) {
             add_noiseless(with, scratch, b, begin, end, u, sums);
         }
@@ -334,59 +334,38 @@ static air_vec3 unoccluded_light(const air_with_collimated *with, const collimat
     return vec3_mul(b->factor, rgb(t));
 }
 
-/* Chooses one of the lamps that are sampled, in proportion to what they would give, so that the
- * choice adds no noise where all are visible. Returns its probability, 0 if none gives anything; u
- * is rescaled to [0, 1). */
-static double choose_lamp(const air_with_collimated *with, const collimated_beam *beams,
-                          size_t count, double *u, size_t *out)
-{
-    double total = 0.0, before = 0.0;
-    *out = 0;
-    if (count <= 1) {
-        return (double)count;
-    }
-    for (size_t i = 0; i < count; i++) {
-        total += (double)vec3_luminance(unoccluded_light(with, &beams[i]));
-    }
-    for (size_t i = 0; i < count && total > 0.0; i++) {
-        const double share = (double)vec3_luminance(unoccluded_light(with, &beams[i])) / total;
-        if (share > 0.0) {
-            *out = i;
-        }
-        if (share > 0.0 && *u < before + share) {
-            *u = fmin(fmax((*u - before) / share, 0.0), 0x1.fffffffffffffp-1);
-            return share;
-        }
-        before += share;
-    }
-    return 0.0; /* nothing, or rounding at the very end */
-}
-
-/* One sample of one of the beams. */
+/* One sample of one of the beams, chosen in proportion to what they would give, so that the choice
+ * adds no noise where all are visible. What ratio estimators know beforehand is added for all of
+ * their beams. */
 static void add_sampled(const air_with_collimated *with, air_collimated_scratch *scratch,
-                        const collimated_beam *beams, size_t count, double u, size_t lane_index,
-                        air_ratio_sample *ratio)
+                        size_t count, double u, size_t lane_index, air_ratio_sample *ratio)
 {
-    double analytic[3], unoccluded[3];
-    size_t chosen;
-    const double share = choose_lamp(with, beams, count, &u, &chosen);
-    if (!(share > 0.0)) {
+    double total = 0.0, rest, unoccluded[3];
+    for (size_t i = 0; i < count; i++) {
+        const collimated_beam *b = &scratch->beams[i];
+        const air_vec3 light = unoccluded_light(with, b);
+        scratch->contributions[i] = (double)vec3_luminance(light);
+        total += scratch->contributions[i];
+        if (air_collimated_estimator_is_ratio(air_collimated_mode_estimator(b->lamp->mode))) {
+            ratio->analytic = vec3_add(ratio->analytic, light);
+        }
+    }
+    if (!(total > 0.0)) {
         return;
     }
-    const collimated_beam *b = &beams[chosen];
+    const size_t chosen = air_collimated_choose(scratch->contributions, count, u, &rest);
+    const collimated_beam *b = &scratch->beams[chosen];
     const air_collimated_estimator estimator = air_collimated_mode_estimator(b->lamp->mode);
-    const double t = draw(with, b->profiles, estimator, u, analytic, unoccluded);
-    const collimated_query query = {
-        lane_index, AIR_TERM_M1, air_collimated_estimator_is_ratio(estimator),
-        vec3_scale(vec3_mul(b->factor, rgb(unoccluded)), (float)(1.0 / share))};
+    const double t = draw(with, b->profiles, estimator, rest, unoccluded);
+    const float per_share = (float)(total / scratch->contributions[chosen]);
+    const collimated_query query = {lane_index, AIR_TERM_M1,
+                                    air_collimated_estimator_is_ratio(estimator),
+                                    vec3_scale(vec3_mul(b->factor, rgb(unoccluded)), per_share)};
     air_ray ray = ray_to_light(b, t);
-    if (!b->lamp->casts_shadow) {
+    if (!b->lamp->light->casts_shadow) {
         ray.mask = 0;
     }
     if (query.ratio) {
-        for (size_t i = 0; i < count; i++) {
-            ratio->analytic = vec3_add(ratio->analytic, unoccluded_light(with, &beams[i]));
-        }
         ratio->unoccluded = query.value;
     }
     if (!vec3_is_zero(query.value)) {
@@ -398,10 +377,9 @@ static void add_volume(const air_with_collimated *with, air_collimated_scratch *
                        air_path_lane *lane, size_t lane_index, air_ratio_sample *ratio)
 {
     const double u = (double)lane->u_beam;
-    collimated_beam *beams = scratch->beams;
     size_t sampled = 0;
     for (size_t i = 0; i < with->lamp_count; i++) {
-        collimated_beam *b = &beams[sampled];
+        collimated_beam *b = &scratch->beams[sampled];
         if (!make_beam(with, scratch, i, lane, b)) {
             continue;
         }
@@ -411,7 +389,7 @@ static void add_volume(const air_with_collimated *with, air_collimated_scratch *
             add_open_stretches(with, scratch, b, u, lane);
         }
     }
-    add_sampled(with, scratch, beams, sampled, u, lane_index, ratio);
+    add_sampled(with, scratch, sampled, u, lane_index, ratio);
 }
 
 /* ---- surfaces ---- */
@@ -453,7 +431,8 @@ static void add_surfaces(const air_with_collimated *with, air_collimated_scratch
         const collimated_query query = {
             i, AIR_TERM_S0, false,
             vec3_mul(vec3_mul(reflected, incident), scratch->camera_transmittance[i])};
-        air_ray ray = {.tmax = FLT_MAX, .mask = lamp->casts_shadow ? AIR_MASK_SHADOW_OPAQUE : 0};
+        air_ray ray = {.tmax = FLT_MAX,
+                       .mask = lamp->light->casts_shadow ? AIR_MASK_SHADOW_OPAQUE : 0};
         vec3_store(ray.origin, origin);
         vec3_store(ray.dir, to_light);
         if (!vec3_is_zero(query.value)) {

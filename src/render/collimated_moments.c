@@ -1,6 +1,7 @@
 #include "render/collimated_moments.h"
 
 #include <float.h>
+#include <string.h>
 
 #include "core/host.h"
 
@@ -85,14 +86,9 @@ air_status air_collimated_moments_make(const air_with_collimated *with, collimat
         return AIR_OK;
     }
     air_moment_params_default(six ? 6 : 4, &params);
-    const double eye[3] = {(double)view->origin.x, (double)view->origin.y, (double)view->origin.z};
-    for (int k = 0; k < 3; k++) {
-        params.origin[k] = eye[k];
-        params.to_light[k] = lamp->to_light[k];
-    }
+    vec3_store64(params.origin, view->origin);
+    memcpy(params.to_light, lamp->to_light, sizeof params.to_light);
     fit(with, lamp, &params);
-    lamp->own_weights =
-        lamp->mode == AIR_COLLIMATED_MODE_ME_IDEAL || lamp->mode == AIR_COLLIMATED_MODE_ME6_IDEAL;
     height_job job = {with, &params, start_height(with->snapshot, &params), NULL};
     job.heights = air_allocate(context, (size_t)ROWS * COLUMNS, sizeof *job.heights);
     if (job.heights == NULL) {

@@ -11,12 +11,15 @@ typedef struct collimated_lamp {
     const air_light *light;
     air_collimated_mode mode;
     double to_light[3];
-    double *windows;         /* the light's, as doubles */
     air_shadow_view shadows; /* exact mode, and the box for moments */
     air_moment_map *moments; /* moment modes, else NULL; owned */
-    bool own_weights;        /* of moments: each ray's own */
-    bool casts_shadow;
 } collimated_lamp;
+
+/* Of moments: does each ray weigh them by its own extinction? */
+static inline bool collimated_own_weights(air_collimated_mode mode)
+{
+    return mode == AIR_COLLIMATED_MODE_ME_IDEAL || mode == AIR_COLLIMATED_MODE_ME6_IDEAL;
+}
 
 struct air_with_collimated {
     air_context *context;
@@ -31,7 +34,7 @@ struct air_with_collimated {
     air_collimated_cell *cells; /* [channel * region_count + region] */
     size_t region_count;
     size_t piece_limit;  /* of one profile */
-    size_t window_limit; /* intervals that the windows of one light leave of a ray */
+    size_t window_limit; /* stretches that the windows of one light leave open; 1 at least */
 };
 
 /* One lamp along one camera ray. */
@@ -40,9 +43,9 @@ typedef struct collimated_beam {
     air_collimated_profile *profiles; /* one per channel, windows cut out */
     air_vec3 factor;                  /* on the integrals: what all cells have in common */
     double origin[3], dir[3];
+    float cosine;      /* between the ways of light before and after it scatters */
     double begin, end; /* where some profile has pieces */
-    const air_interval *windows;
-    size_t window_count; /* intervals; SIZE_MAX: the light has no windows */
+    size_t open_count; /* stretches of scratch->open that windows leave, all if there are none */
 } collimated_beam;
 
 enum { COLLIMATED_INTERVALS = 128 };
@@ -63,7 +66,8 @@ struct air_collimated_scratch {
     air_collimated_profile plain;         /* before windows are cut out */
     air_collimated_profile lit[3];        /* per channel, restricted to lit stretches */
     air_collimated_cell *cells;           /* of the ray under way: with weights */
-    air_interval *windows;                /* window_limit */
+    air_interval *open;                   /* of the beam made last; window_limit */
+    double *contributions;                /* of each lamp that is sampled */
     air_surface surfaces[AIR_PATH_LANES]; /* what the lanes' camera rays met */
     air_vec3 camera_transmittance[AIR_PATH_LANES];
     air_interval shadows[COLLIMATED_INTERVALS], gaps[COLLIMATED_INTERVALS + 1];

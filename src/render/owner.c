@@ -90,10 +90,12 @@ static air_status parse_method(const air_owner_table *table, word w, method_choi
                                             &out->mode))) {
         return AIR_OK;
     }
+    char modes[AIR_COLLIMATED_MODE_LIST];
+    air_collimated_mode_list(modes);
     return air_fail(table->context, AIR_ERROR_ARGUMENT,
                     "method \"%.*s\" is not known: expected auto, path or collimated[:MODE] with "
                     "MODE one of %s",
-                    w.length, w.text, air_collimated_mode_list());
+                    w.length, w.text, modes);
 }
 
 /* ---- who gets what ---- */

@@ -28,11 +28,15 @@ typedef struct render_pass {
 
 /* ---- one pixel ---- */
 
-static uint32_t pixel_seed(const air_picture *picture, uint32_t x, uint32_t y, uint32_t replicate)
+static uint32_t picture_seed(const air_picture *picture)
 {
     const uint64_t seed = picture->params->seed;
-    uint32_t hash = air_hash_combine((uint32_t)seed, (uint32_t)(seed >> 32));
-    hash = air_hash_combine(hash, x);
+    return air_hash_combine((uint32_t)seed, (uint32_t)(seed >> 32));
+}
+
+static uint32_t pixel_seed(const air_picture *picture, uint32_t x, uint32_t y, uint32_t replicate)
+{
+    uint32_t hash = air_hash_combine(picture_seed(picture), x);
     hash = air_hash_combine(hash, y);
     return air_hash_combine(hash, replicate);
 }
@@ -42,14 +46,12 @@ static float beam_number(const render_pass *pass, uint32_t x, uint32_t y, uint32
                          uint32_t index)
 {
     const air_picture *picture = pass->picture;
-    const uint32_t seed =
-        air_hash_combine((uint32_t)picture->params->seed, (uint32_t)(picture->params->seed >> 32));
     /* The number of samples must not matter, or films of parts would not add up: blue noise is
      * tuned to pictures of four samples. */
     const air_pattern_source source = {.pattern = picture->params->pattern,
                                        .tile = picture->blue_noise,
                                        .log2_count = 2,
-                                       .seed = air_hash_combine(seed, replicate)};
+                                       .seed = air_hash_combine(picture_seed(picture), replicate)};
     return fminf((float)air_pattern_get(&source, x, y, index), 0x1.fffffep-1f);
 }
 

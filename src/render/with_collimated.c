@@ -30,9 +30,12 @@ bool air_collimated_mode_parse(const char *text, size_t length, air_collimated_m
     return false;
 }
 
-const char *air_collimated_mode_list(void)
+void air_collimated_mode_list(char out[AIR_COLLIMATED_MODE_LIST])
 {
-    return "exact, rm, ds, wvds, rees, reds, me, me6, me-ideal, me6-ideal";
+    out[0] = '\0';
+    for (int i = 0; i < AIR_COLLIMATED_MODE_COUNT; i++) {
+        strcat(strcat(out, i > 0 ? ", " : ""), mode_names[i]);
+    }
 }
 
 /* ---- where it applies ---- */
@@ -63,8 +66,7 @@ static bool media_apply(const air_snapshot *snapshot, char reason[AIR_COLLIMATED
     }
     if (media->any_replace && media->region_count > 1) {
         snprintf(reason, AIR_COLLIMATED_REASON,
-                 "a medium replaces others instead of adding to "
-                 "them");
+                 "a medium replaces others instead of adding to them");
         return false;
     }
     return true;
@@ -136,7 +138,7 @@ static bool uses_moments(air_collimated_mode mode) { return mode >= AIR_COLLIMAT
 static air_status make_shadows(air_with_collimated *with, collimated_lamp *lamp, size_t light,
                                const air_camera_view *view)
 {
-    if (!with->volume || !lamp->casts_shadow) {
+    if (!with->volume || !lamp->light->casts_shadow) {
         return AIR_OK;
     }
     if (with->snapshot->has_alpha) {
@@ -156,7 +158,6 @@ static air_status make_lamp(air_with_collimated *with, const air_owner_table *ow
     collimated_lamp *lamp = &with->lamps[with->lamp_count++];
     lamp->light = &with->snapshot->lights.entries[light];
     lamp->mode = (air_collimated_mode)owners->modes[light];
-    lamp->casts_shadow = lamp->light->casts_shadow;
     const size_t windows = air_light_window_limit(lamp->light);
     with->window_limit = windows > with->window_limit ? windows : with->window_limit;
     air_shadows_direction(lamp->light, lamp->to_light);
@@ -210,6 +211,7 @@ air_status air_with_collimated_create(const air_path *path, const air_owner_tabl
     with->context = context;
     with->path = path;
     with->snapshot = path->snapshot;
+    with->window_limit = 1;
     with->surfaces = (terms >> AIR_TERM_S0 & 1u) != 0;
     with->volume = (terms >> AIR_TERM_M1 & 1u) != 0;
     air_status status = make_cells(with);
@@ -273,11 +275,13 @@ air_status air_collimated_scratch_create(const air_with_collimated *with,
     scratch->pieces = air_allocate(context, pieces, sizeof *scratch->pieces);
     scratch->profiles = air_allocate(context, 3 * with->lamp_count, sizeof *scratch->profiles);
     scratch->beams = air_allocate(context, with->lamp_count, sizeof *scratch->beams);
-    scratch->windows = air_allocate(context, with->window_limit, sizeof *scratch->windows);
+    scratch->open = air_allocate(context, with->window_limit, sizeof *scratch->open);
+    scratch->contributions =
+        air_allocate(context, with->lamp_count, sizeof *scratch->contributions);
     scratch->cells =
         air_allocate(context, with->channels * with->region_count, sizeof *scratch->cells);
     if (scratch->pieces == NULL || scratch->profiles == NULL || scratch->beams == NULL ||
-        scratch->windows == NULL || scratch->cells == NULL) {
+        scratch->open == NULL || scratch->contributions == NULL || scratch->cells == NULL) {
         return air_fail_memory(context, "collimated");
     }
     memcpy(scratch->cells, with->cells,
@@ -293,7 +297,8 @@ void air_collimated_scratch_destroy(const air_with_collimated *with,
         air_free(with->context, scratch->pieces);
         air_free(with->context, scratch->profiles);
         air_free(with->context, scratch->beams);
-        air_free(with->context, scratch->windows);
+        air_free(with->context, scratch->open);
+        air_free(with->context, scratch->contributions);
         air_free(with->context, scratch->cells);
         air_free(with->context, scratch);
     }

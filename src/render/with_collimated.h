@@ -27,8 +27,9 @@ typedef enum air_collimated_mode {
 
 const char *air_collimated_mode_name(air_collimated_mode mode);
 bool air_collimated_mode_parse(const char *text, size_t length, air_collimated_mode *out);
-/* All names, for messages. */
-const char *air_collimated_mode_list(void);
+/* All names, for messages: at most 10 characters each, with the comma. */
+enum { AIR_COLLIMATED_MODE_LIST = 12 * AIR_COLLIMATED_MODE_COUNT };
+void air_collimated_mode_list(char out[AIR_COLLIMATED_MODE_LIST]);
 
 enum { AIR_COLLIMATED_REASON = 160 };
 

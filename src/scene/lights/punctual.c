@@ -133,9 +133,9 @@ size_t air_light_window_limit(const air_light *light)
 size_t air_light_open_stretches(const air_light *light, const double origin[3], const double dir[3],
                                 air_interval *out)
 {
-    const air_vec3 s = light->frame.s, t = light->frame.t;
-    const double axis_s[3] = {(double)s.x, (double)s.y, (double)s.z};
-    const double axis_t[3] = {(double)t.x, (double)t.y, (double)t.z};
+    double axis_s[3], axis_t[3];
+    vec3_store64(axis_s, light->frame.s);
+    vec3_store64(axis_t, light->frame.t);
     size_t count = 0, begin = 0;
     for (size_t i = 0; i < light->window_count; i++) {
         const size_t end = light->window_ends[i];

@@ -43,9 +43,7 @@ void air_region_planes(const air_region *region, air_collimated_medium *out)
     out->plane_count = region->plane_count;
     for (size_t k = 0; k < region->plane_count; k++) {
         const air_plane *plane = &region->planes[k];
-        out->planes[k][0] = (double)plane->n.x;
-        out->planes[k][1] = (double)plane->n.y;
-        out->planes[k][2] = (double)plane->n.z;
+        vec3_store64(out->planes[k], plane->n);
         out->planes[k][3] = (double)plane->h;
     }
 }
