@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "airlight/airlight.h"
+#include "collimated/vector.h"
 #include "scene/snapshot.h"
 
 /* Settings as published with the method; +Y up, directions of any length. */
@@ -22,113 +23,71 @@ typedef struct beam_settings {
     int width, height;
 } beam_settings;
 
-static const beam_settings beam_scene_list[] = {
-    {"sphere 8k",
-     NULL,
-     64,
-     0,
-     {-1, -1, -1},
-     {1, 1, 1},
-     {0.5, 1, 3.5},
-     {-0.5, -1, -3.5},
-     40,
-     {-0.3, 0.6, -0.3},
-     1,
-     256,
-     256},
-    {"sphere 131k",
-     NULL,
-     256,
-     0,
-     {-1, -1, -1},
-     {1, 1, 1},
-     {0.5, 1, 3.5},
-     {-0.5, -1, -3.5},
-     40,
-     {-0.3, 0.6, -0.3},
-     1,
-     256,
-     256},
-    {"fog example",
-     "bevy/VolumetricFogExample/VolumetricFogExample.glb",
-     0,
-     0,
-     {-3.17, 0, -6.75},
-     {3.17, 6.35, 6.75},
-     {-1.7, 1.5, 4.5},
-     {.2, .2, -1},
-     60,
-     {.544352, .837696, -.044118},
-     .1,
-     640,
-     480},
-    {"atrium",
-     "geometry/sponza.glb",
-     0,
-     0,
-     {-17.5, -1, -7.9},
-     {17.5, 15.7, 7.9},
-     {-11, 2.5, -1.2},
-     {1, .25, .12},
-     60,
-     {.35, 1, .28},
-     .05,
-     640,
-     480},
-    {"classroom",
-     "geometry/classroom.glb",
-     0,
-     0,
-     {-4.5, -.1, -5.98},
-     {4.5, 3.05, 5.98},
-     {-1.69049, 1.27158, 5.88653},
-     {.151294, .0283071, -.988083},
-     46,
-     {-.865804, .416766, -.276929},
-     .1,
-     640,
-     480},
-    {"atrium x16",
-     "geometry/sponza.glb",
-     0,
-     2,
-     {-17.5, -1, -7.9},
-     {17.5, 15.7, 7.9},
-     {-11, 2.5, -1.2},
-     {1, .25, .12},
-     60,
-     {.35, 1, .28},
-     .05,
-     640,
-     480},
-    {"classroom x4",
-     "geometry/classroom.glb",
-     0,
-     1,
-     {-4.5, -.1, -5.98},
-     {4.5, 3.05, 5.98},
-     {-1.69049, 1.27158, 5.88653},
-     {.151294, .0283071, -.988083},
-     46,
-     {-.865804, .416766, -.276929},
-     .1,
-     640,
-     480},
-    {"classroom x16",
-     "geometry/classroom.glb",
-     0,
-     2,
-     {-4.5, -.1, -5.98},
-     {4.5, 3.05, 5.98},
-     {-1.69049, 1.27158, 5.88653},
-     {.151294, .0283071, -.988083},
-     46,
-     {-.865804, .416766, -.276929},
-     .1,
-     640,
-     480},
+static const beam_settings beam_ball = {.low = {-1, -1, -1},
+                                        .high = {1, 1, 1},
+                                        .eye = {0.5, 1, 3.5},
+                                        .look = {-0.5, -1, -3.5},
+                                        .fov_deg = 40,
+                                        .to_light = {-0.3, 0.6, -0.3},
+                                        .sigma_t = 1,
+                                        .width = 256,
+                                        .height = 256};
+
+static const beam_settings beam_fog_example = {
+    .file = "bevy/VolumetricFogExample/VolumetricFogExample.glb",
+    .low = {-3.17, 0, -6.75},
+    .high = {3.17, 6.35, 6.75},
+    .eye = {-1.7, 1.5, 4.5},
+    .look = {.2, .2, -1},
+    .fov_deg = 60,
+    .to_light = {.544352, .837696, -.044118},
+    .sigma_t = .1,
+    .width = 640,
+    .height = 480};
+
+static const beam_settings beam_atrium = {.file = "geometry/sponza.glb",
+                                          .low = {-17.5, -1, -7.9},
+                                          .high = {17.5, 15.7, 7.9},
+                                          .eye = {-11, 2.5, -1.2},
+                                          .look = {1, .25, .12},
+                                          .fov_deg = 60,
+                                          .to_light = {.35, 1, .28},
+                                          .sigma_t = .05,
+                                          .width = 640,
+                                          .height = 480};
+
+static const beam_settings beam_classroom = {.file = "geometry/classroom.glb",
+                                             .low = {-4.5, -.1, -5.98},
+                                             .high = {4.5, 3.05, 5.98},
+                                             .eye = {-1.69049, 1.27158, 5.88653},
+                                             .look = {.151294, .0283071, -.988083},
+                                             .fov_deg = 46,
+                                             .to_light = {-.865804, .416766, -.276929},
+                                             .sigma_t = .1,
+                                             .width = 640,
+                                             .height = 480};
+
+/* What is measured: a scene, its ball's rings if it has one, and how often triangles are cut. */
+static const struct beam_run {
+    const char *name;
+    const beam_settings *scene;
+    int rings, divisions;
+} beam_runs[] = {
+    {"sphere 8k", &beam_ball, 64, 0},         {"sphere 131k", &beam_ball, 256, 0},
+    {"fog example", &beam_fog_example, 0, 0}, {"atrium", &beam_atrium, 0, 0},
+    {"classroom", &beam_classroom, 0, 0},     {"atrium x16", &beam_atrium, 0, 2},
+    {"classroom x4", &beam_classroom, 0, 1},  {"classroom x16", &beam_classroom, 0, 2},
 };
-enum { BEAM_SCENES = sizeof beam_scene_list / sizeof *beam_scene_list };
+enum { BEAM_RUNS = sizeof beam_runs / sizeof *beam_runs };
+
+static inline beam_settings beam_run_settings(int run)
+{
+    beam_settings settings = *beam_runs[run].scene;
+    settings.name = beam_runs[run].name;
+    settings.rings = beam_runs[run].rings;
+    settings.divisions = beam_runs[run].divisions;
+    return settings;
+}
 
 /* A triangle soup: 9 floats each. */
 typedef struct beam_soup {
@@ -255,17 +214,9 @@ static inline void beam_soup_free(beam_soup *soup)
 
 static inline void beam_normalize(double v[3])
 {
-    const double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    const double length = sqrt(air_dot3(v, v));
     for (int k = 0; k < 3; k++) {
         v[k] /= length;
-    }
-}
-
-static inline void beam_cross(const double a[3], const double b[3], double out[3])
-{
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        out[k] = a[i] * b[j] - a[j] * b[i];
     }
 }
 
@@ -277,9 +228,9 @@ static inline void beam_ray(const beam_settings *s, int x, int y, double dir[3])
     const double tangent = tan(s->fov_deg * 3.14159265358979323846 / 360.0);
     memcpy(f, s->look, sizeof f);
     beam_normalize(f);
-    beam_cross(f, up, r);
+    air_cross3(f, up, r);
     beam_normalize(r);
-    beam_cross(r, f, u);
+    air_cross3(r, f, u);
     const double px = (2.0 * (x + 0.5) / s->width - 1.0) * tangent * s->width / s->height;
     const double py = (1.0 - 2.0 * (y + 0.5) / s->height) * tangent;
     for (int k = 0; k < 3; k++) {

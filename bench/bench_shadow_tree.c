@@ -6,6 +6,7 @@
 
 #include "beam_scenes.h"
 #include "core/host.h"
+#include "shadow_wedge.h"
 
 enum { ROUNDS = 5, TILE = 8, INTERVALS = 512, MOST_SAMPLES = 4096, PACKET = 16 };
 
@@ -201,48 +202,10 @@ static double render_sampled(const work *w, int samples, air_context *context)
     return air_clock(context) - start;
 }
 
-/* The stretch of the ray in the wedge under one triangle, by half-spaces in world space. */
-static bool wedge_interval(const float *p, const double l[3], const double o[3], const double v[3],
-                           double begin, double end, air_interval *out)
+static air_shadow_mesh shadow_mesh_of(const work *w)
 {
-    double corner[3][3], u[3], w[3], n[3];
-    for (int i = 0; i < 9; i++) {
-        corner[i / 3][i % 3] = (double)p[i];
-    }
-    for (int side = 0; side < 4; side++) {
-        const double *a = corner[side % 3], *b = corner[(side + 1) % 3],
-                     *c = corner[(side + 2) % 3];
-        for (int k = 0; k < 3; k++) {
-            u[k] = b[k] - a[k];
-            w[k] = side < 3 ? l[k] : c[k] - a[k];
-        }
-        beam_cross(u, w, n);
-        double third = 0.0, no = 0.0, nv = 0.0;
-        for (int k = 0; k < 3; k++) {
-            third += n[k] * (side < 3 ? c[k] - a[k] : l[k]);
-            no += n[k] * (o[k] - a[k]);
-            nv += n[k] * v[k];
-        }
-        /* sides: towards the third corner; the plane: down the light */
-        const double sign = (third > 0.0) == (side < 3) ? 1.0 : -1.0;
-        no *= sign;
-        nv *= sign;
-        if (third == 0.0) {
-            return false;
-        }
-        if (nv > 0.0) {
-            begin = fmax(begin, -no / nv);
-        } else if (nv < 0.0) {
-            end = fmin(end, -no / nv);
-        } else if (no < 0.0) {
-            return false;
-        }
-        if (!(begin < end)) {
-            return false;
-        }
-    }
-    *out = (air_interval){begin, end};
-    return true;
+    return (air_shadow_mesh){w->soup.positions, 3 * w->soup.triangle_count, w->soup.indices,
+                             w->soup.triangle_count};
 }
 
 /* PSNR of w->exact over a sample of the pixels. */
@@ -254,15 +217,20 @@ static double exact_psnr(const work *w)
     double squares = 0.0, peak = 0.0, count = 0.0;
     static air_interval shadows[1 << 16];
     air_collimated_piece pieces[8];
+    const air_shadow_mesh mesh = shadow_mesh_of(w);
+    const shadow_wedges wedges = make_wedges(&mesh, 1, w->to_light);
+    if (wedges.wedges == NULL) {
+        abort();
+    }
     for (size_t pixel = step / 2; pixel < w->pixels; pixel += step) {
         air_collimated_profile profile = {.pieces = pieces, .capacity = 8};
         double value = 0.0;
         if (make_profile(w, pixel, &profile)) {
             size_t found = 0;
             const double begin = pieces[0].t0, end = pieces[profile.count - 1].t1;
-            for (size_t i = 0; i < w->soup.triangle_count && found < 65536; i++) {
-                found += wedge_interval(w->soup.positions + 9 * i, w->to_light, w->settings->eye,
-                                        w->dirs[pixel], begin, end, &shadows[found]);
+            for (size_t i = 0; i < wedges.count && found < 65536; i++) {
+                found += clip_to_wedge(&wedges.wedges[i], w->settings->eye, w->dirs[pixel], begin,
+                                       end, &shadows[found]);
             }
             found = air_intervals_join(shadows, found);
             value = lit_integral(&profile, shadows, found < INTERVALS ? found : INTERVALS);
@@ -272,6 +240,7 @@ static double exact_psnr(const work *w)
         peak = fmax(peak, value);
         count += 1.0;
     }
+    free(wedges.wedges);
     return -10.0 * log10(squares / count / (peak * peak));
 }
 
@@ -293,8 +262,7 @@ static air_shadow_tree *make_tree(const work *w, air_context *context)
     double hull[8][3];
     air_shadow_tree_params params;
     air_shadow_tree *tree;
-    const air_shadow_mesh mesh = {w->soup.positions, 3 * w->soup.triangle_count, w->soup.indices,
-                                  w->soup.triangle_count};
+    const air_shadow_mesh mesh = shadow_mesh_of(w);
     beam_hull(w->settings, hull);
     air_shadow_tree_params_default(&params);
     memcpy(params.to_light, w->to_light, sizeof params.to_light);
@@ -376,8 +344,8 @@ int main(int argc, char **argv)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
     air_context *context = make_context(1, AIR_CPU_AUTO);
-    for (int i = 0; i < BEAM_SCENES; i++) {
-        const beam_settings *settings = &beam_scene_list[i];
+    for (int i = 0; i < BEAM_RUNS; i++) {
+        const beam_settings settings_of_run = beam_run_settings(i), *settings = &settings_of_run;
         work w;
         if (argc > 1 && strcmp(argv[1], settings->name) != 0) {
             continue;

@@ -7,6 +7,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "core/random.h"
+
 static const double SCENE_CAMERA[3] = {0.5, 1.0, 3.5};
 static const double SCENE_BALL[3] = {0.2, 0.4, 0.0};
 static const double SCENE_RADIUS = 0.5;
@@ -23,6 +25,21 @@ static inline void scene_normalize(double v[3])
     for (int i = 0; i < 3; i++) {
         v[i] /= length;
     }
+}
+
+static inline double uniform(air_rng *rng, double low, double high)
+{
+    return low + (high - low) * (double)air_rng_float(rng);
+}
+
+static inline void random_unit(air_rng *rng, double out[3])
+{
+    do {
+        for (int i = 0; i < 3; i++) {
+            out[i] = uniform(rng, -1.0, 1.0);
+        }
+    } while (!(scene_dot(out, out) > 0.01 && scene_dot(out, out) < 1.0));
+    scene_normalize(out);
 }
 
 static inline void scene_light(double out[3])

@@ -495,21 +495,6 @@ static void rows_close_to_a_circle(void **state)
     air_context_destroy(context);
 }
 
-static double uniform(air_rng *rng, double low, double high)
-{
-    return low + (high - low) * (double)air_rng_float(rng);
-}
-
-static void random_unit(air_rng *rng, double out[3])
-{
-    do {
-        for (int i = 0; i < 3; i++) {
-            out[i] = uniform(rng, -1.0, 1.0);
-        }
-    } while (!(scene_dot(out, out) > 0.01 && scene_dot(out, out) < 1.0));
-    scene_normalize(out);
-}
-
 /* Azimuth and rho of a point, from the map's own rays. */
 static void to_plane(const air_moment_params *params, const double point[3], double *azimuth,
                      double *rho)

@@ -20,21 +20,6 @@ static void assert_near(double value, double expected, double relative)
     }
 }
 
-static double uniform(air_rng *rng, double low, double high)
-{
-    return low + (high - low) * (double)air_rng_float(rng);
-}
-
-static void random_unit(air_rng *rng, double out[3])
-{
-    do {
-        for (int i = 0; i < 3; i++) {
-            out[i] = uniform(rng, -1.0, 1.0);
-        }
-    } while (!(scene_dot(out, out) > 0.01 && scene_dot(out, out) < 1.0));
-    scene_normalize(out);
-}
-
 /* ---- the definition ---- */
 
 typedef struct situation {
