@@ -8,7 +8,7 @@
 #include "core/host.h"
 #include "shadow_wedge.h"
 
-enum { ROUNDS = 5, TILE = 8, INTERVALS = 512, MOST_SAMPLES = 4096, PACKET = 16 };
+enum { ROUNDS = 5, TILE = 8, INTERVALS = 512, MOST_SAMPLES = 4096, PACKET = 16, BATCH = 16 };
 
 /* One scene being measured. */
 typedef struct work {
@@ -56,7 +56,7 @@ static void make_order(work *w)
     for (int y = 0; y < height; y += TILE) {
         for (int x = 0; x < width; x += TILE) {
             for (int i = 0; i < TILE * TILE; i++) {
-                const int px = x + i % TILE, py = y + i / TILE;
+                const int px = x + i % 4 + 4 * (i / 16 % 2), py = y + i / 4 % 4 + 4 * (i / 32);
                 if (px < width && py < height) {
                     w->order[next++] = (size_t)py * (size_t)width + (size_t)px;
                 }
@@ -143,22 +143,51 @@ static double lit_integral(const air_collimated_profile *profile, const air_inte
     return sum;
 }
 
+/* A batch of neighbouring pixels, on its way. */
+typedef struct batch {
+    size_t count;
+    size_t pixels[BATCH];
+    air_collimated_profile profiles[BATCH];
+    air_collimated_piece pieces[BATCH][8];
+    air_shadow_query queries[BATCH];
+    air_interval shadows[BATCH][INTERVALS];
+} batch;
+
+static void batch_add(const work *w, batch *b, size_t pixel)
+{
+    const size_t k = b->count;
+    air_collimated_profile *profile = &b->profiles[k];
+    *profile = (air_collimated_profile){.pieces = b->pieces[k], .capacity = 8};
+    w->exact[pixel] = 0.0;
+    if (!make_profile(w, pixel, profile)) {
+        return;
+    }
+    b->pixels[k] = pixel;
+    b->queries[k] = (air_shadow_query){.begin = profile->pieces[0].t0,
+                                       .end = profile->pieces[profile->count - 1].t1,
+                                       .out = b->shadows[k],
+                                       .capacity = INTERVALS};
+    memcpy(b->queries[k].origin, w->settings->eye, sizeof b->queries[k].origin);
+    memcpy(b->queries[k].dir, w->dirs[pixel], sizeof b->queries[k].dir);
+    b->count++;
+}
+
 static double render_exact(const work *w, const air_shadow_tree *tree, air_context *context)
 {
-    static air_interval shadows[INTERVALS];
-    air_collimated_piece pieces[8];
+    static batch b;
     const double start = air_clock(context);
-    for (size_t i = 0; i < w->pixels; i++) {
-        const size_t pixel = w->order[i];
-        air_collimated_profile profile = {.pieces = pieces, .capacity = 8};
-        double value = 0.0;
-        if (make_profile(w, pixel, &profile)) {
-            const size_t count =
-                air_shadow_tree_query(tree, w->settings->eye, w->dirs[pixel], pieces[0].t0,
-                                      pieces[profile.count - 1].t1, shadows, INTERVALS);
-            value = count > INTERVALS ? NAN : lit_integral(&profile, shadows, count);
+    for (size_t i = 0; i < w->pixels;) {
+        b.count = 0;
+        for (const size_t stop = i + BATCH; i < w->pixels && i < stop; i++) {
+            batch_add(w, &b, w->order[i]);
         }
-        w->exact[pixel] = value;
+        air_shadow_tree_query_rays(tree, b.queries, b.count);
+        for (size_t k = 0; k < b.count; k++) {
+            const air_shadow_query *query = &b.queries[k];
+            w->exact[b.pixels[k]] = query->count > INTERVALS
+                                        ? NAN
+                                        : lit_integral(&b.profiles[k], query->out, query->count);
+        }
     }
     return air_clock(context) - start;
 }

@@ -77,10 +77,22 @@ AIR_API void air_shadow_tree_destroy(air_shadow_tree *tree); /* NULL is legal */
 /* Bytes the tree holds. */
 AIR_API size_t air_shadow_tree_size(const air_shadow_tree *tree);
 
-/* The shadowed stretches of origin + t dir (dir unit) within [begin, end], where the ray must lie
- * in the hull: sorted, disjoint, at most capacity of them in out. Returns how many there are; when
- * that is above capacity, out holds garbage: ask for [begin, m] and [m, end] one by one, whose
- * union is the answer. Thread-safe. */
+/* One ray and what is found along it. */
+typedef struct air_shadow_query {
+    double origin[3], dir[3]; /* dir unit; the ray must lie in the hull for t in [begin, end] */
+    double begin, end;
+    air_interval *out; /* the shadowed stretches: sorted, disjoint; has room for capacity of them */
+    size_t capacity;
+    size_t count; /* how many there are; when that is above capacity, out holds garbage: ask for
+                     [begin, m] and [m, end] one by one, whose union is the answer */
+} air_shadow_query;
+
+/* Answers count queries. Each finds what it finds alone, to the bit; neighbouring rays next to each
+ * other in the array go through the tree together and are faster for it. Thread-safe. */
+AIR_API void air_shadow_tree_query_rays(const air_shadow_tree *tree, air_shadow_query *queries,
+                                        size_t count);
+
+/* The same for one ray; returns its count. */
 AIR_API size_t air_shadow_tree_query(const air_shadow_tree *tree, const double origin[3],
                                      const double dir[3], double begin, double end,
                                      air_interval *out, size_t capacity);

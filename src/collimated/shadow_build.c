@@ -50,8 +50,8 @@ typedef struct subtree {
     size_t stack_count, stack_capacity;
     shadow_node *nodes; /* children in fours */
     size_t node_count, node_capacity;
-    shadow_block *blocks;
-    size_t block_count, block_capacity;
+    shadow_triangle *leaves; /* the leaves' triangles */
+    size_t leaf_count, leaf_capacity;
     bool failed;
 } subtree;
 
@@ -249,33 +249,16 @@ static size_t sift(subtree *self, const cell *c, const int32_t *triangles, size_
     return kept;
 }
 
-static void fill_block(const subtree *self, const int32_t *triangles, size_t count,
-                       shadow_block *out)
-{
-    for (size_t lane = 0; lane < SHADOW_LANES; lane++) {
-        const shadow_triangle *t =
-            &self->mesh->triangles[triangles[lane < count ? lane : count - 1]];
-        for (int k = 0; k < 3; k++) {
-            out->x[k][lane] = t->x[k];
-            out->y[k][lane] = t->y[k];
-            out->z[k][lane] = t->z[k];
-        }
-    }
-}
-
 static void make_leaf(subtree *self, const int32_t *triangles, size_t count, shadow_node *out)
 {
-    const size_t blocks = (count + SHADOW_LANES - 1) / SHADOW_LANES;
-    out->first = ~(int32_t)self->block_count;
-    out->block_count = (int32_t)blocks;
-    if (!reserve(self, (void **)&self->blocks, &self->block_capacity, self->block_count + blocks,
-                 sizeof *self->blocks)) {
+    out->first = ~(int32_t)self->leaf_count;
+    out->triangle_count = (int32_t)count;
+    if (!reserve(self, (void **)&self->leaves, &self->leaf_capacity, self->leaf_count + count,
+                 sizeof *self->leaves)) {
         return;
     }
-    for (size_t i = 0; i < count; i += SHADOW_LANES) {
-        const size_t left = count - i;
-        fill_block(self, triangles + i, left < SHADOW_LANES ? left : SHADOW_LANES,
-                   &self->blocks[self->block_count++]);
+    for (size_t i = 0; i < count; i++) {
+        self->leaves[self->leaf_count++] = self->mesh->triangles[triangles[i]];
     }
 }
 
@@ -433,56 +416,56 @@ static void make_subtree(void *user, size_t index, size_t worker)
 
 /* ---- putting it together ---- */
 
-/* Appends a subtree's nodes and blocks to the tree's, and moves its references to them. */
+/* Appends a subtree's nodes and triangles to the tree's, and moves its references to them. */
 static void append(air_shadow_tree *tree, const subtree *task, shadow_node *root)
 {
-    const int32_t nodes = (int32_t)tree->node_count, blocks = (int32_t)tree->block_count;
+    const int32_t nodes = (int32_t)tree->node_count, triangles = (int32_t)tree->triangle_count;
     shadow_node *copied = tree->nodes + tree->node_count;
     if (task->node_count > 0) {
         memcpy(copied, task->nodes, task->node_count * sizeof *copied);
     }
-    if (task->block_count > 0) {
-        memcpy(tree->blocks + tree->block_count, task->blocks,
-               task->block_count * sizeof *tree->blocks);
+    if (task->leaf_count > 0) {
+        memcpy(tree->triangles + tree->triangle_count, task->leaves,
+               task->leaf_count * sizeof *tree->triangles);
     }
     for (size_t i = 0; i <= task->node_count; i++) {
         shadow_node *node = i < task->node_count ? &copied[i] : root;
-        node->first = node->first < 0 ? ~(~node->first + blocks) : node->first + nodes;
+        node->first = node->first < 0 ? ~(~node->first + triangles) : node->first + nodes;
     }
     tree->node_count += task->node_count;
-    tree->block_count += task->block_count;
+    tree->triangle_count += task->leaf_count;
 }
 
 /* The leaf of a top cell that is not divided. */
 static void append_leaf(air_shadow_tree *tree, build *self, top_cell *c)
 {
     subtree task = subtree_make(self, 0);
-    task.blocks = tree->blocks;
-    task.block_count = tree->block_count;
-    task.block_capacity = SIZE_MAX; /* there is room */
+    task.leaves = tree->triangles;
+    task.leaf_count = tree->triangle_count;
+    task.leaf_capacity = SIZE_MAX; /* there is room */
     make_leaf(&task, c->triangles, c->count, &c->node);
-    tree->block_count = task.block_count;
+    tree->triangle_count = task.leaf_count;
 }
 
 static const size_t level_begins[TOP_LEVELS + 2] = {0, 1, 5, 21, 85};
 
 static air_status allocate_tree(build *self, air_shadow_tree *tree)
 {
-    size_t nodes = 4, blocks = 0;
+    size_t nodes = 4, triangles = 1; /* to have one */
     for (size_t i = 0; i < level_begins[TOP_LEVELS]; i++) {
         nodes += self->cells[i].inner ? 4 : 0;
-        blocks += self->cells[i].inner ? 0 : (self->cells[i].count + SHADOW_LANES) / SHADOW_LANES;
+        triangles += self->cells[i].inner ? 0 : self->cells[i].count;
     }
     for (size_t i = 0; i < TASKS_MAX; i++) {
         nodes += self->tasks[i].node_count;
-        blocks += self->tasks[i].block_count;
+        triangles += self->tasks[i].leaf_count;
     }
-    if (nodes > INT32_MAX || blocks > INT32_MAX) {
+    if (nodes > INT32_MAX || triangles > INT32_MAX) {
         return air_fail(self->context, AIR_ERROR_UNSUPPORTED, "shadow tree: too many cells");
     }
     tree->nodes = air_allocate(self->context, nodes, sizeof *tree->nodes);
-    tree->blocks = air_allocate(self->context, blocks, sizeof *tree->blocks);
-    return tree->nodes == NULL || tree->blocks == NULL
+    tree->triangles = air_allocate(self->context, triangles, sizeof *tree->triangles);
+    return tree->nodes == NULL || tree->triangles == NULL
                ? air_fail_memory(self->context, "shadow tree")
                : AIR_OK;
 }
@@ -554,7 +537,7 @@ static void finish(build *self)
     const size_t workers = air_context_thread_count(self->context);
     for (size_t i = 0; i < TASKS_MAX; i++) {
         air_free(self->context, self->tasks[i].nodes);
-        air_free(self->context, self->tasks[i].blocks);
+        air_free(self->context, self->tasks[i].leaves);
     }
     for (size_t i = 0; i < sizeof self->cells / sizeof *self->cells; i++) {
         air_free(self->context, self->cells[i].triangles);

@@ -4,10 +4,6 @@
 
 #include "collimated/shadow_tree.h"
 
-typedef struct shadow_triangle {
-    float x[3], y[3], z[3];
-} shadow_triangle;
-
 /* The triangles that can throw shadow on the hull. Edge e of a triangle runs from its corner e to
  * corner (e + 1) % 3; neighbours[3 t + e] is the one triangle that continues t beyond its edge e in
  * the plane perpendicular to the light, or -1. */

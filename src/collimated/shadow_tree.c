@@ -144,7 +144,7 @@ void air_shadow_tree_destroy(air_shadow_tree *tree)
 {
     if (tree != NULL) {
         air_free(tree->context, tree->nodes);
-        air_free(tree->context, tree->blocks);
+        air_free(tree->context, tree->triangles);
         air_free(tree->context, tree);
     }
 }
@@ -152,7 +152,7 @@ void air_shadow_tree_destroy(air_shadow_tree *tree)
 size_t air_shadow_tree_size(const air_shadow_tree *tree)
 {
     return sizeof *tree + tree->node_count * sizeof *tree->nodes +
-           tree->block_count * sizeof *tree->blocks;
+           tree->triangle_count * sizeof *tree->triangles;
 }
 
 /* ---- asking ---- */
@@ -226,33 +226,78 @@ static double make_ray(const shadow_frame *frame, const double origin[3], const 
     return shift;
 }
 
+/* A query while it is worked on. */
+typedef struct asked_ray {
+    double shift, from, to; /* the stretch, in the ray's own parameter */
+} asked_ray;
+
+static bool make_asked(const air_shadow_tree *tree, const air_shadow_query *query, asked_ray *out,
+                       shadow_ray *ray)
+{
+    out->shift = make_ray(&tree->frame, query->origin, query->dir, ray);
+    out->from = query->begin - out->shift;
+    out->to = query->end - out->shift;
+    ray->begin = (float)out->from;
+    ray->end = (float)out->to;
+    return out->from < out->to && isfinite(out->from) && isfinite(out->to);
+}
+
+/* Ends that are those of the ray are so to the last bit, which can leave nothing of an interval
+ * that is one float long. */
+static size_t keep_shadows(const air_shadow_query *query, const asked_ray *asked, size_t count)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < count; i++) {
+        const air_interval found = query->out[i];
+        const air_interval part = {
+            found.begin <= (double)(float)asked->from ? query->begin : found.begin + asked->shift,
+            found.end >= (double)(float)asked->to ? query->end : found.end + asked->shift,
+        };
+        if (part.begin < part.end) {
+            query->out[kept++] = part;
+        }
+    }
+    return kept;
+}
+
+enum { BATCH = 64 };
+
+static void query_batch(const air_shadow_tree *tree, air_shadow_query *queries, size_t count)
+{
+    shadow_ray rays[BATCH];
+    shadow_list lists[BATCH];
+    asked_ray asked[BATCH];
+    size_t of[BATCH], n = 0;
+    for (size_t i = 0; i < count; i++) {
+        queries[i].count = 0;
+        if (make_asked(tree, &queries[i], &asked[n], &rays[n])) {
+            lists[n] = (shadow_list){.intervals = queries[i].out, .capacity = queries[i].capacity};
+            of[n++] = i;
+        }
+    }
+    tree->walk(tree, rays, n, lists);
+    for (size_t i = 0; i < n; i++) {
+        air_shadow_query *query = &queries[of[i]];
+        query->count =
+            lists[i].full ? query->capacity + 1 : keep_shadows(query, &asked[i], lists[i].count);
+    }
+}
+
+void air_shadow_tree_query_rays(const air_shadow_tree *tree, air_shadow_query *queries,
+                                size_t count)
+{
+    for (size_t i = 0; i < count; i += BATCH) {
+        query_batch(tree, queries + i, count - i < BATCH ? count - i : BATCH);
+    }
+}
+
 size_t air_shadow_tree_query(const air_shadow_tree *tree, const double origin[3],
                              const double dir[3], double begin, double end, air_interval *out,
                              size_t capacity)
 {
-    shadow_ray ray;
-    shadow_list list = {.intervals = out, .capacity = capacity};
-    const double shift = make_ray(&tree->frame, origin, dir, &ray);
-    const double from = begin - shift, to = end - shift;
-    if (!(from < to) || !isfinite(from) || !isfinite(to)) {
-        return 0;
-    }
-    tree->walk(tree, &ray, (float)from, (float)to, &list);
-    if (list.full) {
-        return capacity + 1;
-    }
-    /* Ends that are those of the ray are so to the last bit, which can leave nothing of an interval
-     * that is one float long. */
-    size_t kept = 0;
-    for (size_t i = 0; i < list.count; i++) {
-        const air_interval found = out[i];
-        const air_interval part = {
-            found.begin <= (double)(float)from ? begin : found.begin + shift,
-            found.end >= (double)(float)to ? end : found.end + shift,
-        };
-        if (part.begin < part.end) {
-            out[kept++] = part;
-        }
-    }
-    return kept;
+    air_shadow_query query = {.begin = begin, .end = end, .out = out, .capacity = capacity};
+    memcpy(query.origin, origin, sizeof query.origin);
+    memcpy(query.dir, dir, sizeof query.dir);
+    query_batch(tree, &query, 1);
+    return query.count;
 }

@@ -8,9 +8,8 @@
 #include "airlight/shadow.h"
 
 enum {
-    SHADOW_LANES = 8,                       /* triangles per block */
     SHADOW_DEPTH_MAX = 16,                  /* levels below the root */
-    SHADOW_STACK = 2 * SHADOW_DEPTH_MAX + 4 /* a cell leaves two of its three parts waiting */
+    SHADOW_STACK = 3 * SHADOW_DEPTH_MAX + 4 /* three of a cell's four parts can wait */
 };
 
 /* A cell of the quadtree: points of it below low are in shadow, points at or above high are lit,
@@ -18,14 +17,14 @@ enum {
  * right half for k & 1, the upper one for k & 2. */
 typedef struct shadow_node {
     float low, high;
-    int32_t first;       /* of four children, or ~(index of the first block of a leaf) */
-    int32_t block_count; /* of a leaf; may be 0 */
+    int32_t first;          /* of four children, or ~(index of a leaf's first triangle) */
+    int32_t triangle_count; /* of a leaf; may be 0 */
 } shadow_node;
 
-/* Corners of triangles in light space; the last block of a leaf repeats one to the end. */
-typedef struct shadow_block {
-    float x[3][SHADOW_LANES], y[3][SHADOW_LANES], z[3][SHADOW_LANES];
-} shadow_block;
+/* Corners, in light space. */
+typedef struct shadow_triangle {
+    float x[3], y[3], z[3];
+} shadow_triangle;
 
 typedef struct shadow_frame {
     double axes[3][3]; /* e1, e2, l */
@@ -47,6 +46,7 @@ typedef struct shadow_ray {
     float qx, qy;                 /* the point in coordinates in which the root is [0,1]^2 */
     float inverse_qx, inverse_qy; /* parameter per unit of them */
     bool right, up;               /* of the ray's way through the plane */
+    float begin, end;             /* the stretch that is asked for */
 } shadow_ray;
 
 /* The shadows found along one ray: sorted, disjoint, with ends that are floats. */
@@ -56,9 +56,9 @@ typedef struct shadow_list {
     bool full; /* it did not hold all */
 } shadow_list;
 
-/* Finds the shadows of [begin, end]. */
-typedef void shadow_walk(const air_shadow_tree *tree, const shadow_ray *ray, float begin, float end,
-                         shadow_list *list);
+/* Finds the shadows of ray of[i], i < count: lists[i]. */
+typedef void shadow_walk(const air_shadow_tree *tree, const shadow_ray *of, size_t count,
+                         shadow_list *lists);
 
 struct air_shadow_tree {
     air_context *context;
@@ -66,8 +66,8 @@ struct air_shadow_tree {
     shadow_frame frame;
     shadow_node *nodes; /* [0] is the root, [1] to [3] are unused */
     size_t node_count;
-    shadow_block *blocks;
-    size_t block_count;
+    shadow_triangle *triangles; /* of the leaves */
+    size_t triangle_count;
 };
 
 /* Inserts [begin, end] into the list. */

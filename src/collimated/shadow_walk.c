@@ -1,5 +1,8 @@
-/* shadow_walk.c: the plain version: one triangle at a time. The truth that the others repeat. */
-#include "collimated/shadow_traverse.h"
+/* shadow_walk.c: the plain walk of a ray through the cells of a shadow tree, in order. The truth
+ * that the packets repeat. */
+#include "collimated/shadow_tree.h"
+
+/* ---- a triangle ---- */
 
 /* A triangle's corner as the ray's own plane (through it and the light) sees it. */
 typedef struct corner {
@@ -9,10 +12,10 @@ typedef struct corner {
     float height; /* Z */
 } corner;
 
-static corner see_corner(const shadow_block *block, size_t lane, int k, const shadow_ray *ray)
+static corner see_corner(const shadow_triangle *triangle, int k, const shadow_ray *ray)
 {
-    const float x = block->x[k][lane] - ray->x, y = block->y[k][lane] - ray->y;
-    const float z = block->z[k][lane] - ray->z;
+    const float x = triangle->x[k] - ray->x, y = triangle->y[k] - ray->y;
+    const float z = triangle->z[k] - ray->z;
     corner out;
     out.side = x * ray->wy - y * ray->wx;
     out.along = x * ray->wx + y * ray->wy;
@@ -40,9 +43,13 @@ static float crossing(const corner *a, const corner *b, const shadow_ray *ray)
     return ray->s < 0.1f ? along * ray->s + height * ray->c : along * ray->inverse_s;
 }
 
-static void test_triangle(const corner c[3], const shadow_ray *ray, float begin, float end,
-                          shadow_list *list)
+static void test_triangle(const shadow_triangle *triangle, const shadow_ray *ray, float begin,
+                          float end, shadow_list *list)
 {
+    corner c[3];
+    for (int k = 0; k < 3; k++) {
+        c[k] = see_corner(triangle, k, ray);
+    }
     const bool side[3] = {c[0].side >= 0.0f, c[1].side >= 0.0f, c[2].side >= 0.0f};
     if (side[0] == side[1] && side[0] == side[2]) {
         return;
@@ -63,20 +70,104 @@ static void test_triangle(const corner c[3], const shadow_ray *ray, float begin,
     }
 }
 
-static void test_block(const shadow_block *block, const shadow_ray *ray, float begin, float end,
-                       shadow_list *list)
+/* ---- the walk ---- */
+
+/* A part of the ray in a cell that waits for its turn. */
+typedef struct shadow_visit {
+    int32_t node;
+    float begin, end;
+    float x, y, half; /* of the cell, in coordinates in which the root is [0,1]^2: exact */
+} shadow_visit;
+
+static float height_at(const shadow_ray *ray, float t) { return ray->z + ray->c * t; }
+
+static float lesser(float a, float b) { return a < b ? a : b; }
+
+static float greater(float a, float b) { return a > b ? a : b; }
+
+/* Puts child k on the stack if the ray passes it. */
+static shadow_visit *push(const shadow_visit *parent, int32_t first, unsigned k, float begin,
+                          float end, shadow_visit *top)
 {
-    for (size_t lane = 0; lane < SHADOW_LANES; lane++) {
-        corner c[3];
-        for (int k = 0; k < 3; k++) {
-            c[k] = see_corner(block, lane, k, ray);
+    const float quarter = 0.5f * parent->half;
+    if (begin < end) {
+        *top++ = (shadow_visit){first + (int32_t)k,
+                                begin,
+                                end,
+                                parent->x + ((k & 1u) != 0 ? quarter : -quarter),
+                                parent->y + ((k & 2u) != 0 ? quarter : -quarter),
+                                quarter};
+    }
+    return top;
+}
+
+/* The near child is visited first, the far one last; of the two at the sides no ray meets both.
+ * Neighbours share the value of the parameter at which they meet. */
+static shadow_visit *divide(const shadow_ray *ray, const shadow_visit *visit, int32_t first,
+                            shadow_visit *top)
+{
+    const float tx = (visit->x - ray->qx) * ray->inverse_qx;
+    const float ty = (visit->y - ray->qy) * ray->inverse_qy;
+    const float after_x = greater(tx, visit->begin), before_x = lesser(tx, visit->end);
+    const float after_y = greater(ty, visit->begin), before_y = lesser(ty, visit->end);
+    const unsigned near = (ray->right ? 0u : 1u) | (ray->up ? 0u : 2u);
+    top = push(visit, first, near ^ 3u, greater(after_x, ty), visit->end, top);
+    top = push(visit, first, near ^ 2u, after_y, before_x, top);
+    top = push(visit, first, near ^ 1u, after_x, before_y, top);
+    return push(visit, first, near, visit->begin, lesser(before_x, ty), top);
+}
+
+/* A leaf decides between its two heights by its triangles; below them all is shadow, above light.
+ */
+static void visit_leaf(const air_shadow_tree *tree, const shadow_node *node, const shadow_ray *ray,
+                       float begin, float end, shadow_list *list)
+{
+    const float to_low = (node->low - ray->z) * ray->inverse_c;
+    const float to_high = (node->high - ray->z) * ray->inverse_c;
+    const bool rises = ray->c >= 0.0f;
+    const float from = rises ? to_low : to_high, to = rises ? to_high : to_low;
+    const float inner_begin = greater(begin, lesser(from, end));
+    const float inner_end = lesser(end, greater(to, begin));
+    if (rises && begin < inner_begin) {
+        shadow_list_add(list, begin, inner_begin);
+    }
+    if (inner_begin < inner_end) {
+        const shadow_triangle *triangles = tree->triangles + ~node->first;
+        for (int32_t i = 0; i < node->triangle_count; i++) {
+            test_triangle(&triangles[i], ray, inner_begin, inner_end, list);
         }
-        test_triangle(c, ray, begin, end, list);
+    }
+    if (!rises && inner_end < end) {
+        shadow_list_add(list, inner_end, end);
     }
 }
 
-void air_shadow_walk_c(const air_shadow_tree *tree, const shadow_ray *ray, float begin, float end,
-                       shadow_list *list)
+static void walk_ray(const air_shadow_tree *tree, const shadow_ray *ray, shadow_list *list)
 {
-    shadow_traverse(tree, ray, begin, end, test_block, list);
+    shadow_visit stack[SHADOW_STACK];
+    shadow_visit *top = stack;
+    *top++ = (shadow_visit){0, ray->begin, ray->end, 0.5f, 0.5f, 0.5f};
+    while (top > stack && !list->full) {
+        const shadow_visit visit = *--top;
+        const shadow_node *node = &tree->nodes[visit.node];
+        const float z0 = height_at(ray, visit.begin), z1 = height_at(ray, visit.end);
+        if (lesser(z0, z1) >= node->high) {
+            continue;
+        }
+        if (greater(z0, z1) <= node->low) {
+            shadow_list_add(list, visit.begin, visit.end);
+        } else if (node->first >= 0) {
+            top = divide(ray, &visit, node->first, top);
+        } else {
+            visit_leaf(tree, node, ray, visit.begin, visit.end, list);
+        }
+    }
+}
+
+void air_shadow_walk_c(const air_shadow_tree *tree, const shadow_ray *of, size_t count,
+                       shadow_list *lists)
+{
+    for (size_t i = 0; i < count; i++) {
+        walk_ray(tree, &of[i], &lists[i]);
+    }
 }

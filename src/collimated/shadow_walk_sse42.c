@@ -1,16 +1,8 @@
-/* shadow_walk_sse42.c: SSE4.2: two times four lanes. */
-#include <immintrin.h>
+/* shadow_walk_sse42.c: SSE4.2: four rays at once. */
+#include "collimated/shadow_packet.h"
 
-#include "collimated/shadow_lanes.h"
-
-static inline unsigned lane_bits(lane_mask mask)
+void air_shadow_walk_sse42(const air_shadow_tree *tree, const shadow_ray *of, size_t count,
+                           shadow_list *lists)
 {
-    const __m128 *halves = (const __m128 *)&mask;
-    return (unsigned)_mm_movemask_ps(halves[0]) | (unsigned)_mm_movemask_ps(halves[1]) << 4;
-}
-
-void air_shadow_walk_sse42(const air_shadow_tree *tree, const shadow_ray *ray, float begin,
-                           float end, shadow_list *list)
-{
-    shadow_traverse(tree, ray, begin, end, shadow_test_lanes, list);
+    shadow_walk_packets(tree, of, count, lists);
 }
