@@ -51,15 +51,15 @@ static air_vec3 common_factor(const air_with_collimated *with, const collimated_
     return vec3_scale(vec3_mul(region->sigma_s, b->lamp->light->color), phase);
 }
 
-/* False if the lamp gives nothing to the ray. */
+/* Into the place-th three profiles. False if the lamp gives nothing to the ray. */
 static bool make_beam(const air_with_collimated *with, air_collimated_scratch *scratch,
-                      size_t lamp_index, const air_path_lane *lane, collimated_beam *out)
+                      const collimated_lamp *lamp, const air_path_lane *lane, size_t place,
+                      collimated_beam *out)
 {
-    const collimated_lamp *lamp = &with->lamps[lamp_index];
     const bool met = lane->hit.mesh != (uint32_t)AIR_NO_HIT;
     const double t_max = met ? (double)lane->hit.t : INFINITY;
     out->lamp = lamp;
-    out->profiles = scratch->profiles + 3 * lamp_index;
+    out->profiles = scratch->profiles + 3 * place;
     vec3_store64(out->origin, lane->origin);
     vec3_store64(out->dir, lane->dir);
     out->cosine = (float)(out->dir[0] * lamp->to_light[0] + out->dir[1] * lamp->to_light[1] +
@@ -171,19 +171,25 @@ static void sample_gaps(const air_with_collimated *with, air_collimated_scratch 
     }
 }
 
+static void add_light(const collimated_beam *b, const double parts[3], air_path_lane *lane)
+{
+    lane->terms[AIR_TERM_M1] = vec3_add(lane->terms[AIR_TERM_M1], vec3_mul(b->factor, rgb(parts)));
+}
+
 /* What lies between the shadows of opaque triangles adds its integral. */
 static void add_gaps(const air_with_collimated *with, air_collimated_scratch *scratch,
-                     const collimated_beam *b, size_t gap_count, double u, double sums[3])
+                     const collimated_beam *b, size_t gap_count, air_path_lane *lane)
 {
     double parts[3];
+    if (gap_count == 0) {
+        return;
+    }
     if (with->snapshot->has_alpha && b->lamp->light->casts_shadow) {
-        sample_gaps(with, scratch, b, gap_count, u, parts);
+        sample_gaps(with, scratch, b, gap_count, (double)lane->u_beam, parts);
     } else {
         integrate_gaps(with, scratch, b, gap_count, parts);
     }
-    for (size_t c = 0; c < 3; c++) {
-        sums[c] += parts[c];
-    }
+    add_light(b, parts, lane);
 }
 
 /* The stretch of the ray inside the box that shadows can reach; empty if there is none. */
@@ -207,28 +213,79 @@ static air_interval reached(const collimated_beam *b, double begin, double end)
 /* A stretch with more shadows than there is room for is halved; so often at most. */
 enum { MOST_HALVINGS = 24 };
 
-static void add_stretch(const air_with_collimated *with, air_collimated_scratch *scratch,
-                        const collimated_beam *b, double begin, double end, double u, int halvings,
-                        double sums[3])
+static void add_halves(const air_with_collimated *with, air_collimated_scratch *scratch,
+                       const collimated_beam *b, air_interval stretch, int halvings,
+                       air_path_lane *lane)
 {
-    const air_shadow_tree *tree = b->lamp->shadows.tree;
-    const air_interval asked = tree != NULL ? reached(b, begin, end) : (air_interval){begin, begin};
-    const size_t count =
-        asked.begin < asked.end
-            ? air_shadow_tree_query(tree, b->origin, b->dir, asked.begin, asked.end,
-                                    scratch->shadows, COLLIMATED_INTERVALS)
-            : 0;
-    if (count > COLLIMATED_INTERVALS) {
-        const double middle = asked.begin + 0.5 * (asked.end - asked.begin);
-        if (halvings < MOST_HALVINGS) {
-            add_stretch(with, scratch, b, begin, middle, u, halvings + 1, sums);
-            add_stretch(with, scratch, b, middle, end, u, halvings + 1, sums);
+    const double middle = stretch.begin + 0.5 * (stretch.end - stretch.begin);
+    const air_interval halves[2] = {{stretch.begin, middle}, {middle, stretch.end}};
+    for (int i = 0; i < 2; i++) {
+        const air_interval asked = reached(b, halves[i].begin, halves[i].end);
+        air_interval *shadows = scratch->shadows[0];
+        size_t count = 0;
+        if (asked.begin < asked.end) {
+            count = air_shadow_tree_query(b->lamp->shadows.tree, b->origin, b->dir, asked.begin,
+                                          asked.end, shadows, COLLIMATED_INTERVALS);
         }
-        return;
+        if (count <= COLLIMATED_INTERVALS) {
+            add_gaps(
+                with, scratch, b,
+                air_intervals_gaps(shadows, count, halves[i].begin, halves[i].end, scratch->gaps),
+                lane);
+        } else if (halvings < MOST_HALVINGS) {
+            add_halves(with, scratch, b, halves[i], halvings + 1, lane);
+        }
     }
-    const size_t gaps = air_intervals_gaps(scratch->shadows, count, begin, end, scratch->gaps);
-    if (gaps > 0) {
-        add_gaps(with, scratch, b, gaps, u, sums);
+}
+
+/* Asks for the shadows of the stretches that wait, and adds the light between them. */
+static void finish_stretches(const air_with_collimated *with, air_collimated_scratch *scratch,
+                             const collimated_lamp *lamp, air_path_lane *lanes)
+{
+    const size_t count = scratch->stretch_count;
+    scratch->stretch_count = 0;
+    if (lamp->shadows.tree != NULL) {
+        air_shadow_tree_query_rays(lamp->shadows.tree, scratch->shadow_queries, count);
+    }
+    bool overflow = false; /* halving takes the lists' place: last */
+    for (size_t i = 0; i < count; i++) {
+        const collimated_stretch *stretch = &scratch->stretches[i];
+        const air_shadow_query *query = &scratch->shadow_queries[i];
+        if (query->count > COLLIMATED_INTERVALS) {
+            overflow = true;
+            continue;
+        }
+        add_gaps(with, scratch, &scratch->beams[stretch->lane],
+                 air_intervals_gaps(query->out, query->count, stretch->part.begin,
+                                    stretch->part.end, scratch->gaps),
+                 &lanes[stretch->lane]);
+    }
+    for (size_t i = 0; overflow && i < count; i++) {
+        const collimated_stretch *stretch = &scratch->stretches[i];
+        if (scratch->shadow_queries[i].count > COLLIMATED_INTERVALS) {
+            add_halves(with, scratch, &scratch->beams[stretch->lane], stretch->part, 0,
+                       &lanes[stretch->lane]);
+        }
+    }
+}
+
+static void add_stretch(const air_with_collimated *with, air_collimated_scratch *scratch,
+                        size_t lane, air_interval part, air_path_lane *lanes)
+{
+    const collimated_beam *b = &scratch->beams[lane];
+    const size_t i = scratch->stretch_count++;
+    const bool shadows = b->lamp->shadows.tree != NULL;
+    const air_interval asked =
+        shadows ? reached(b, part.begin, part.end) : (air_interval){part.begin, part.begin};
+    scratch->stretches[i] = (collimated_stretch){lane, part};
+    scratch->shadow_queries[i] = (air_shadow_query){.begin = asked.begin,
+                                                    .end = asked.end,
+                                                    .out = scratch->shadows[i],
+                                                    .capacity = COLLIMATED_INTERVALS};
+    memcpy(scratch->shadow_queries[i].origin, b->origin, sizeof b->origin);
+    memcpy(scratch->shadow_queries[i].dir, b->dir, sizeof b->dir);
+    if (scratch->stretch_count == COLLIMATED_STRETCHES) {
+        finish_stretches(with, scratch, b->lamp, lanes);
     }
 }
 
@@ -241,13 +298,13 @@ static double own_weight(void *user, double t)
 }
 
 /* The stretch less the share of it that the moments hold for shadow. */
-static void add_bounded(const air_with_collimated *with, const collimated_beam *b, double begin,
-                        double end, double sums[3])
+static void add_bounded(const air_with_collimated *with, const collimated_beam *b,
+                        air_interval part, air_path_lane *lane)
 {
     const collimated_lamp *lamp = b->lamp;
-    const air_interval asked =
-        lamp->moments != NULL ? reached(b, begin, end) : (air_interval){begin, begin};
-    double share = 0.0;
+    const air_interval asked = lamp->moments != NULL ? reached(b, part.begin, part.end)
+                                                     : (air_interval){part.begin, part.begin};
+    double share = 0.0, parts[3];
     if (asked.begin < asked.end) {
         air_moment_choice choice;
         air_moment_choice_default(&choice);
@@ -258,36 +315,37 @@ static void add_bounded(const air_with_collimated *with, const collimated_beam *
     }
     for (size_t c = 0; c < 3; c++) {
         const air_collimated_profile *profile = &b->profiles[c < with->channels ? c : 0];
-        sums[c] += air_collimated_partial_integral(profile, begin, end) -
+        parts[c] = air_collimated_partial_integral(profile, part.begin, part.end) -
                    share * air_collimated_partial_integral(profile, asked.begin, asked.end);
     }
+    add_light(b, parts, lane);
 }
 
 /* ---- modes without noise ---- */
 
+/* What the lanes receive from one lamp, in each stretch that its windows leave open. */
 static void add_noiseless(const air_with_collimated *with, air_collimated_scratch *scratch,
-                          const collimated_beam *b, double begin, double end, double u,
-                          double sums[3])
+                          const collimated_lamp *lamp, air_path_lane *lanes, size_t count)
 {
-    if (b->lamp->mode == AIR_COLLIMATED_EXACT) {
-        add_stretch(with, scratch, b, begin, end, u, 0, sums);
-    } else {
-        add_bounded(with, b, begin, end, sums);
-    }
-}
-
-static void add_open_stretches(const air_with_collimated *with, air_collimated_scratch *scratch,
-                               const collimated_beam *b, double u, air_path_lane *lane)
-{
-    double sums[3] = {0.0, 0.0, 0.0};
-    for (size_t i = 0; i < b->open_count; i++) {
-        const double begin = fmax(scratch->open[i].begin, b->begin);
-        const double end = fmin(scratch->open[i].end, b->end);
-        if (begin < end) {
-            add_noiseless(with, scratch, b, begin, end, u, sums);
+    for (size_t lane = 0; lane < count; lane++) {
+        collimated_beam *b = &scratch->beams[lane];
+        if (!make_beam(with, scratch, lamp, &lanes[lane], lane, b)) {
+            continue;
+        }
+        for (size_t i = 0; i < b->open_count; i++) {
+            const air_interval part = {fmax(scratch->open[i].begin, b->begin),
+                                       fmin(scratch->open[i].end, b->end)};
+            if (part.begin >= part.end) {
+                continue;
+            }
+            if (lamp->mode == AIR_COLLIMATED_EXACT) {
+                add_stretch(with, scratch, lane, part, lanes);
+            } else {
+                add_bounded(with, b, part, &lanes[lane]);
+            }
         }
     }
-    lane->terms[AIR_TERM_M1] = vec3_add(lane->terms[AIR_TERM_M1], vec3_mul(b->factor, rgb(sums)));
+    finish_stretches(with, scratch, lamp, lanes);
 }
 
 /* ---- sampled ---- */
@@ -373,23 +431,34 @@ static void add_sampled(const air_with_collimated *with, air_collimated_scratch 
     }
 }
 
-static void add_volume(const air_with_collimated *with, air_collimated_scratch *scratch,
-                       air_path_lane *lane, size_t lane_index, air_ratio_sample *ratio)
+/* What one lane receives from the lamps that are sampled. */
+static void add_volume_sampled(const air_with_collimated *with, air_collimated_scratch *scratch,
+                               air_path_lane *lane, size_t lane_index, air_ratio_sample *ratio)
 {
-    const double u = (double)lane->u_beam;
-    size_t sampled = 0;
+    size_t count = 0;
     for (size_t i = 0; i < with->lamp_count; i++) {
-        collimated_beam *b = &scratch->beams[sampled];
-        if (!make_beam(with, scratch, i, lane, b)) {
-            continue;
-        }
-        if (air_collimated_mode_samples(b->lamp->mode)) {
-            sampled++;
+        const collimated_lamp *lamp = &with->lamps[i];
+        count += air_collimated_mode_samples(lamp->mode) &&
+                 make_beam(with, scratch, lamp, lane, count, &scratch->beams[count]);
+    }
+    add_sampled(with, scratch, count, (double)lane->u_beam, lane_index, ratio);
+}
+
+static void add_volume(const air_with_collimated *with, air_collimated_scratch *scratch,
+                       air_path_lane *lanes, air_ratio_sample *ratios, size_t count)
+{
+    bool sampled = false;
+    for (size_t i = 0; i < with->lamp_count; i++) {
+        if (air_collimated_mode_samples(with->lamps[i].mode)) {
+            sampled = true;
         } else {
-            add_open_stretches(with, scratch, b, u, lane);
+            add_noiseless(with, scratch, &with->lamps[i], lanes, count);
         }
     }
-    add_sampled(with, scratch, sampled, u, lane_index, ratio);
+    for (size_t i = 0; sampled && i < count; i++) {
+        add_volume_sampled(with, scratch, &lanes[i], i, &ratios[i]);
+    }
+    send(with, scratch, lanes, ratios);
 }
 
 /* ---- surfaces ---- */
@@ -445,10 +514,9 @@ void air_with_collimated_add(const air_with_collimated *with, air_collimated_scr
                              air_path_lane *lanes, air_ratio_sample *ratios, size_t count)
 {
     memset(ratios, 0, count * sizeof *ratios);
-    for (size_t i = 0; with->volume && i < count; i++) {
-        add_volume(with, scratch, &lanes[i], i, &ratios[i]);
+    if (with->volume) {
+        add_volume(with, scratch, lanes, ratios, count);
     }
-    send(with, scratch, lanes, ratios);
     if (!with->surfaces) {
         return;
     }

@@ -48,7 +48,13 @@ typedef struct collimated_beam {
     size_t open_count; /* stretches of scratch->open that windows leave, all if there are none */
 } collimated_beam;
 
-enum { COLLIMATED_INTERVALS = 128 };
+enum { COLLIMATED_INTERVALS = 128, COLLIMATED_STRETCHES = 16 };
+
+/* A stretch of a lane's ray that waits for its shadows. */
+typedef struct collimated_stretch {
+    size_t lane;
+    air_interval part;
+} collimated_stretch;
 
 /* A ray towards a light whose answer is waited for. */
 typedef struct collimated_query {
@@ -59,10 +65,10 @@ typedef struct collimated_query {
 } collimated_query;
 
 struct air_collimated_scratch {
-    air_collimated_piece *pieces; /* of profiles [lamp * 3 + channel], piece_limit +
+    air_collimated_piece *pieces; /* of profiles [place * 3 + channel], piece_limit +
                                      window_limit each */
     air_collimated_profile *profiles;
-    collimated_beam *beams;               /* of the ray under way, for the lamps that are sampled */
+    collimated_beam *beams;               /* one per lane, or per lamp that is sampled */
     air_collimated_profile plain;         /* before windows are cut out */
     air_collimated_profile lit[3];        /* per channel, restricted to lit stretches */
     air_collimated_cell *cells;           /* of the ray under way: with weights */
@@ -70,7 +76,11 @@ struct air_collimated_scratch {
     double *contributions;                /* of each lamp that is sampled */
     air_surface surfaces[AIR_PATH_LANES]; /* what the lanes' camera rays met */
     air_vec3 camera_transmittance[AIR_PATH_LANES];
-    air_interval shadows[COLLIMATED_INTERVALS], gaps[COLLIMATED_INTERVALS + 1];
+    collimated_stretch stretches[COLLIMATED_STRETCHES];
+    air_shadow_query shadow_queries[COLLIMATED_STRETCHES];
+    air_interval shadows[COLLIMATED_STRETCHES][COLLIMATED_INTERVALS];
+    size_t stretch_count;
+    air_interval gaps[COLLIMATED_INTERVALS + 1];
     collimated_query queries[AIR_PATH_LANES];
     air_ray rays[AIR_PATH_LANES];
     uint8_t occluded[AIR_PATH_LANES];

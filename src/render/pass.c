@@ -147,41 +147,67 @@ static void accumulate(const render_pass *pass, pass_worker *worker, const air_p
     }
 }
 
-static void render_block(const render_pass *pass, pass_worker *worker, uint32_t x, uint32_t y,
-                         uint32_t begin, uint32_t end)
+/* Where a pixel is on the film's image. */
+typedef struct pixel {
+    uint32_t x, y;
+} pixel;
+
+static void trace_block(const render_pass *pass, pass_worker *worker, air_path_lane *lanes,
+                        air_ratio_sample *ratios, size_t count)
 {
     const air_picture *picture = pass->picture;
-    air_path_lane lanes[AIR_PATH_LANES];
-    air_ratio_sample ratios[AIR_PATH_LANES];
-    for (uint32_t s = begin; s < end; s++) {
-        make_lane(pass, x, y, s, &lanes[s - begin]);
-    }
-    air_path_trace(&picture->path, worker->scratch, lanes, end - begin);
+    air_path_trace(&picture->path, worker->scratch, lanes, count);
     if (picture->collimated != NULL) {
-        air_with_collimated_add(picture->collimated, worker->collimated, lanes, ratios,
-                                end - begin);
+        air_with_collimated_add(picture->collimated, worker->collimated, lanes, ratios, count);
     } else {
-        memset(ratios, 0, sizeof ratios);
-    }
-    memset(worker->block, 0, pass->film->layout.stride * sizeof *worker->block);
-    for (uint32_t s = begin; s < end; s++) {
-        accumulate(pass, worker, &lanes[s - begin], &ratios[s - begin]);
+        memset(ratios, 0, count * sizeof *ratios);
     }
 }
 
-static void render_pixel(const render_pass *pass, pass_worker *worker, uint32_t x, uint32_t y)
+/* Samples [begin, end) of each pixel, together no more than there are lanes; the last ones of their
+ * node if that is where it ends. */
+static void render_block(const render_pass *pass, pass_worker *worker, const pixel *pixels,
+                         size_t count, const air_film_node *node, uint32_t begin, uint32_t end)
 {
     const air_film *film = pass->film;
-    const size_t row = film->crop[2] - film->crop[0];
-    const size_t pixel = (size_t)(y - film->crop[1]) * row + (x - film->crop[0]);
+    const size_t row = film->crop[2] - film->crop[0], stride = film->layout.stride;
+    const uint32_t size = end - begin;
+    air_path_lane lanes[AIR_PATH_LANES];
+    air_ratio_sample ratios[AIR_PATH_LANES];
+    for (size_t i = 0; i < count * size; i++) {
+        const pixel *at = &pixels[i / size];
+        make_lane(pass, at->x, at->y, begin + (uint32_t)(i % size), &lanes[i]);
+    }
+    trace_block(pass, worker, lanes, ratios, count * size);
+    for (size_t i = 0; i < count; i++) {
+        memset(worker->block, 0, stride * sizeof *worker->block);
+        for (size_t s = i * size; s < (i + 1) * size; s++) {
+            accumulate(pass, worker, &lanes[s], &ratios[s]);
+        }
+        air_block_stack_push(&worker->stack, worker->block);
+        if (end == node->end) {
+            const size_t place = (size_t)(pixels[i].y - film->crop[1]) * row + pixels[i].x;
+            air_block_stack_total(&worker->stack, node->sums + (place - film->crop[0]) * stride);
+        }
+    }
+}
+
+/* How many pixels go together: many where a pixel does not fill the lanes by itself. */
+static size_t group_size(const render_pass *pass)
+{
+    const uint32_t size = pass->nodes[0].end - pass->nodes[0].begin;
+    return pass->node_count == 1 && size < AIR_PATH_LANES ? AIR_PATH_LANES / size : 1;
+}
+
+static void render_group(const render_pass *pass, pass_worker *worker, const pixel *pixels,
+                         size_t count)
+{
     for (size_t n = 0; n < pass->node_count; n++) {
         const air_film_node *node = &pass->nodes[n];
         for (uint32_t s = node->begin, stop; s < node->end; s = stop) {
             stop = node->end - s < AIR_FILM_BLOCK ? node->end : s + AIR_FILM_BLOCK;
-            render_block(pass, worker, x, y, s, stop);
-            air_block_stack_push(&worker->stack, worker->block);
+            render_block(pass, worker, pixels, count, node, s, stop);
         }
-        air_block_stack_total(&worker->stack, node->sums + pixel * film->layout.stride);
     }
 }
 
@@ -198,16 +224,24 @@ static double fraction_done(const render_pass *pass, double share)
     return fmin(fmax(samples, time), 1.0);
 }
 
-/* Pixels are visited in squares, in which rays meet the same parts of the scene. */
+/* Pixels are visited in squares of 8 x 8, in turn made of 4 x 4, in which rays meet the same parts
+ * of the scene. */
 enum { SQUARE = 8 };
 
 static void render_square(const render_pass *pass, pass_worker *worker, uint32_t x0, uint32_t y0,
                           uint32_t x1, uint32_t y1)
 {
-    for (uint32_t y = y0; y < y1 && y < y0 + SQUARE; y++) {
-        for (uint32_t x = x0; x < x1 && x < x0 + SQUARE; x++) {
-            render_pixel(pass, worker, x, y);
+    pixel pixels[SQUARE * SQUARE];
+    const size_t group = group_size(pass);
+    size_t count = 0;
+    for (uint32_t i = 0; i < SQUARE * SQUARE; i++) {
+        const pixel at = {x0 + i % 4 + i / 16 % 2 * 4, y0 + i / 4 % 4 + i / 32 * 4};
+        if (at.x < x1 && at.y < y1) {
+            pixels[count++] = at;
         }
+    }
+    for (size_t i = 0; i < count; i += group) {
+        render_group(pass, worker, pixels + i, count - i < group ? count - i : group);
     }
 }
 

@@ -244,13 +244,19 @@ bool air_with_collimated_is_ratio(const air_with_collimated *with)
 
 /* ---- scratch ---- */
 
-/* Profiles per lamp and channel, one before windows, and one per channel for lit stretches. */
+/* Beams at a time: of a block's lanes, or of one lane's lamps. */
+static size_t place_count(const air_with_collimated *with)
+{
+    return with->lamp_count > AIR_PATH_LANES ? with->lamp_count : AIR_PATH_LANES;
+}
+
+/* Profiles per beam and channel, one before windows, and one per channel for lit stretches. */
 static void share_out_pieces(const air_with_collimated *with, air_collimated_scratch *scratch)
 {
     const size_t cut = with->piece_limit + with->window_limit;
     const size_t lit = cut + COLLIMATED_INTERVALS + 1;
     air_collimated_piece *next = scratch->pieces;
-    for (size_t i = 0; i < 3 * with->lamp_count; i++, next += cut) {
+    for (size_t i = 0; i < 3 * place_count(with); i++, next += cut) {
         scratch->profiles[i] = (air_collimated_profile){.pieces = next, .capacity = cut};
     }
     scratch->plain = (air_collimated_profile){.pieces = next, .capacity = with->piece_limit};
@@ -264,17 +270,17 @@ air_status air_collimated_scratch_create(const air_with_collimated *with,
                                          air_collimated_scratch **out)
 {
     air_context *context = with->context;
-    const size_t cut = with->piece_limit + with->window_limit;
+    const size_t places = place_count(with), cut = with->piece_limit + with->window_limit;
     const size_t pieces =
-        3 * with->lamp_count * cut + with->piece_limit + 3 * (cut + COLLIMATED_INTERVALS + 1);
+        3 * places * cut + with->piece_limit + 3 * (cut + COLLIMATED_INTERVALS + 1);
     air_collimated_scratch *scratch = air_allocate(context, 1, sizeof *scratch);
     *out = scratch;
     if (scratch == NULL) {
         return air_fail_memory(context, "collimated");
     }
     scratch->pieces = air_allocate(context, pieces, sizeof *scratch->pieces);
-    scratch->profiles = air_allocate(context, 3 * with->lamp_count, sizeof *scratch->profiles);
-    scratch->beams = air_allocate(context, with->lamp_count, sizeof *scratch->beams);
+    scratch->profiles = air_allocate(context, 3 * places, sizeof *scratch->profiles);
+    scratch->beams = air_allocate(context, places, sizeof *scratch->beams);
     scratch->open = air_allocate(context, with->window_limit, sizeof *scratch->open);
     scratch->contributions =
         air_allocate(context, with->lamp_count, sizeof *scratch->contributions);
