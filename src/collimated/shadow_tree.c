@@ -167,8 +167,8 @@ void air_shadow_list_insert(shadow_list *list, float begin, float end)
     size_t stop = first; /* one past the last that touches it */
     air_interval joined = {b, e};
     while (stop < list->count && list->intervals[stop].begin <= e) {
-        joined.begin = fmin(joined.begin, list->intervals[stop].begin);
-        joined.end = fmax(joined.end, list->intervals[stop].end);
+        joined.begin = double_min(joined.begin, list->intervals[stop].begin);
+        joined.end = double_max(joined.end, list->intervals[stop].end);
         stop++;
     }
     if (stop == first && list->count == list->capacity) {
@@ -183,7 +183,7 @@ void air_shadow_list_insert(shadow_list *list, float begin, float end)
 
 static float clamped_inverse(double x)
 {
-    return (float)fmin(fmax(1.0 / (x + 0.0), -1e20), 1e20); /* of 0 and -0: 1e20 */
+    return (float)double_min(double_max(1.0 / (x + 0.0), -1e20), 1e20); /* of 0 and -0: 1e20 */
 }
 
 /* Returns the parameter of the point from which the ray's own counts. */

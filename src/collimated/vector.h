@@ -5,9 +5,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* One instruction each; fmin and fmax are calls, for the sake of NaN. */
-static inline double double_min(double a, double b) { return a < b ? a : b; }
-static inline double double_max(double a, double b) { return a > b ? a : b; }
+#include "core/vec.h"
 
 static inline bool air_finite3(const double v[3])
 {

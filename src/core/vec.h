@@ -13,6 +13,8 @@
  * the second is given. */
 static inline float float_min(float a, float b) { return a < b ? a : b; }
 static inline float float_max(float a, float b) { return a > b ? a : b; }
+static inline double double_min(double a, double b) { return a < b ? a : b; }
+static inline double double_max(double a, double b) { return a > b ? a : b; }
 
 typedef struct air_vec3 {
     float x, y, z;

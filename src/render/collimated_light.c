@@ -79,8 +79,8 @@ static bool make_beam(const air_with_collimated *with, air_collimated_scratch *s
                                             profile);
         }
         if (profile->count > 0) {
-            out->begin = fmin(out->begin, profile->pieces[0].t0);
-            out->end = fmax(out->end, profile->pieces[profile->count - 1].t1);
+            out->begin = double_min(out->begin, profile->pieces[0].t0);
+            out->end = double_max(out->end, profile->pieces[profile->count - 1].t1);
         }
     }
     if (!windows) {
@@ -104,9 +104,10 @@ static double draw(const air_with_collimated *with, const air_collimated_profile
             chosen[count++] = c;
         }
     }
-    const size_t k = (size_t)fmin(u * (double)count, (double)count - 1.0);
-    const air_collimated_draw first = air_collimated_estimate(
-        estimator, &profiles[chosen[k]], fmin(u * (double)count - (double)k, 0x1.fffffffffffffp-1));
+    const size_t k = (size_t)double_min(u * (double)count, (double)count - 1.0);
+    const air_collimated_draw first =
+        air_collimated_estimate(estimator, &profiles[chosen[k]],
+                                double_min(u * (double)count - (double)k, 0x1.fffffffffffffp-1));
     if (with->channels == 1) {
         unoccluded[0] = unoccluded[1] = unoccluded[2] = first.unoccluded;
         return first.t;
@@ -201,8 +202,8 @@ static air_interval reached(const collimated_beam *b, double begin, double end)
         const double to_low = (shadows->low[k] - b->origin[k]) / b->dir[k];
         const double to_high = (shadows->high[k] - b->origin[k]) / b->dir[k];
         if (b->dir[k] != 0.0) {
-            inside.begin = fmax(inside.begin, fmin(to_low, to_high));
-            inside.end = fmin(inside.end, fmax(to_low, to_high));
+            inside.begin = double_max(inside.begin, double_min(to_low, to_high));
+            inside.end = double_min(inside.end, double_max(to_low, to_high));
         } else if (b->origin[k] < shadows->low[k] || b->origin[k] > shadows->high[k]) {
             inside.end = inside.begin;
         }
@@ -333,8 +334,8 @@ static void add_noiseless(const air_with_collimated *with, air_collimated_scratc
             continue;
         }
         for (size_t i = 0; i < b->open_count; i++) {
-            const air_interval part = {fmax(scratch->open[i].begin, b->begin),
-                                       fmin(scratch->open[i].end, b->end)};
+            const air_interval part = {double_max(scratch->open[i].begin, b->begin),
+                                       double_min(scratch->open[i].end, b->end)};
             if (part.begin >= part.end) {
                 continue;
             }

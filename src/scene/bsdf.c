@@ -8,7 +8,7 @@
 static const float INVERSE_PI = 1.0f / AIR_PI_F;
 
 /* NaN becomes 0. */
-static float clamp01(float x) { return fminf(fmaxf(x, 0.0f), 1.0f); }
+static float clamp01(float x) { return float_min(float_max(x, 0.0f), 1.0f); }
 
 static air_vec3 clamp01_rgb(air_vec3 v) { return vec3(clamp01(v.x), clamp01(v.y), clamp01(v.z)); }
 
@@ -42,7 +42,7 @@ static air_vec3 ggx_sample(air_vec3 wo, float alpha, float u1, float u2)
     const float phi = 2.0f * AIR_PI_F * u1;
     const float up = (1.0f - u2) * (1.0f + standard.z); /* z + standard.z, exact near the bottom */
     const float z = up - standard.z;
-    const float radius = sqrtf(fmaxf(0.0f, (1.0f - z) * (1.0f + z)));
+    const float radius = sqrtf(float_max(0.0f, (1.0f - z) * (1.0f + z)));
     const air_vec3 h = vec3_normalize(vec3(alpha * (radius * cosf(phi) + standard.x),
                                            alpha * (radius * sinf(phi) + standard.y), up));
     return vec3_sub(vec3_scale(h, 2.0f * vec3_dot(wo, h)), wo);
@@ -82,7 +82,7 @@ static float diffuse_factor(float diffuse, float mean_left)
 static void make_specular(const air_bsdf_input *input, air_bsdf *out)
 {
     const float roughness = clamp01(input->roughness);
-    out->alpha = fmaxf(roughness * roughness, air_ggx_alpha_min());
+    out->alpha = float_max(roughness * roughness, air_ggx_alpha_min());
     out->alpha_axis = air_ggx_alpha_axis(out->alpha);
     const air_ggx_albedo mean = air_ggx_albedo_mean(out->alpha_axis);
     out->multiple = vec3(multiple_factor(out->f0.x, out->f90, mean.loss),
@@ -131,7 +131,7 @@ void air_bsdf_make(const air_bsdf_input *input, air_bsdf *out)
     const float dielectric = clamp01(ratio * ratio) * clamp01(input->specular);
     out->f0 = mix(vec3_set1(dielectric), base, metallic);
     if (!vec3_is_zero(out->f0)) {
-        out->f90 = fmaxf(fminf(50.0f * vec3_max(out->f0), 1.0f), vec3_max(out->f0));
+        out->f90 = float_max(float_min(50.0f * vec3_max(out->f0), 1.0f), vec3_max(out->f0));
         make_specular(input, out);
     }
 }
@@ -149,8 +149,10 @@ static air_vec3 eval_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
     const float single =
         0.5f * ggx_distribution(h, bsdf->alpha) /
         (wi.z * smith_length(wo, bsdf->alpha) + wo.z * smith_length(wi, bsdf->alpha));
-    const air_ggx_albedo at_o = air_ggx_albedo_at(fminf(wo.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
-    const air_ggx_albedo at_i = air_ggx_albedo_at(fminf(wi.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
+    const air_ggx_albedo at_o =
+        air_ggx_albedo_at(float_min(wo.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
+    const air_ggx_albedo at_i =
+        air_ggx_albedo_at(float_min(wi.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
     const float multiple = bsdf->multiple_scale * (at_o.loss * at_i.loss);
     const air_vec3 base =
         vec3_mul(bsdf->diffuse_scale, vec3_mul(left_to_base(bsdf, at_o), left_to_base(bsdf, at_i)));

@@ -104,7 +104,7 @@ static float coverage(const air_material *material, float alpha)
         return 1.0f;
     if (material->alpha_mode == AIR_ALPHA_MASK)
         return alpha >= material->alpha_cutoff ? 1.0f : 0.0f;
-    return fminf(fmaxf(alpha, 0.0f), 1.0f);
+    return float_min(float_max(alpha, 0.0f), 1.0f);
 }
 
 float air_surface_alpha(const air_snapshot *snapshot, const air_hit *hit)

@@ -164,7 +164,7 @@ static float wrap_coordinate(float u, air_wrap wrap)
         const float period = u - 2.0f * floorf(0.5f * u);
         wrapped = period > 1.0f ? 2.0f - period : period;
     }
-    return wrapped > 0.0f ? fminf(wrapped, 1.0f) : 0.0f;
+    return wrapped > 0.0f ? float_min(wrapped, 1.0f) : 0.0f;
 }
 
 /* The two texels around a wrapped coordinate and the share of the second; texel i is centred at (i
@@ -179,7 +179,7 @@ static float texel_pair(float wrapped, size_t size, air_wrap wrap, size_t out_te
     const bool repeat = wrap == AIR_WRAP_REPEAT;
     out_texels[0] = upper > 0 ? upper - 1 : (repeat ? size - 1 : 0);
     out_texels[1] = upper < size ? upper : (repeat ? 0 : size - 1);
-    return fminf(x - (float)upper, 1.0f);
+    return float_min(x - (float)upper, 1.0f);
 }
 
 static size_t nearest_texel(float wrapped, size_t size)
