@@ -11,5 +11,7 @@ cli_exit cli_info(int argc, char **argv);
 cli_exit cli_diff(int argc, char **argv);
 cli_exit cli_merge(int argc, char **argv);
 cli_exit cli_convert(int argc, char **argv);
+cli_exit cli_denoise(int argc, char **argv);
+cli_exit cli_table(int argc, char **argv);
 
 #endif

@@ -17,6 +17,8 @@ static const struct {
     {"diff", cli_diff, "compare two images: metrics, Z-test, false-colour picture"},
     {"merge", cli_merge, "add films of the same picture with different samples"},
     {"convert", cli_convert, "convert image and grid formats"},
+    {"denoise", cli_denoise, "smooth a picture by its guides"},
+    {"table", cli_table, "fit and inspect the tables of method arealight"},
 };
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 

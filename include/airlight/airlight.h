@@ -2,9 +2,13 @@
 #ifndef AIRLIGHT_H
 #define AIRLIGHT_H
 
+#include "airlight/area_table.h"
+#include "airlight/arealight.h"
+#include "airlight/arealight_eval.h"
 #include "airlight/collimated.h"
 #include "airlight/collimated_walk.h"
 #include "airlight/context.h"
+#include "airlight/denoise.h"
 #include "airlight/image.h"
 #include "airlight/interval.h"
 #include "airlight/light.h"

@@ -1,0 +1,155 @@
+#include <airlight/area_table.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "host.h"
+
+typedef struct table_options {
+    const char *output;
+    cli_count loss;
+    cli_real g;
+} table_options;
+
+static const char *const loss_names[] = {"kl", "l2", "l3", "cdf-l2", NULL};
+static const char *const source_names[] = {"ltsd", "mix", "cosine", "uniform", NULL};
+
+static const cli_option table_table[] = {
+    {.name = "output",
+     .letter = 'o',
+     .kind = CLI_TEXT,
+     .value = "FILE",
+     .offset = offsetof(table_options, output),
+     .help = "build: where the table goes; it appears whole or not at all."},
+    {.name = "loss",
+     .kind = CLI_CHOICE,
+     .value = "LOSS",
+     .choices = loss_names,
+     .offset = offsetof(table_options, loss),
+     .help =
+         "What the fit makes small: kl, l2, l3 or cdf-l2; default kl. mix always takes cdf-l2."},
+    {.name = "g",
+     .kind = CLI_REAL,
+     .value = "G",
+     .min = -0.99,
+     .max = 0.99,
+     .offset = offsetof(table_options, g),
+     .help = "plot: the phase function's mean cosine; default 0.4."},
+};
+
+static const cli_usage table_usage = {
+    .command = "table",
+    .arguments = "build KIND | info FILE | plot KIND",
+    .summary =
+        "Fits transformed spherical distributions to Henyey and Greenstein's phase function "
+        "for `render --method arealight:ltsd|mix --area-table FILE`. Kinds: ltsd, mix; to be "
+        "plotted also the paper's failing sources cosine and uniform.",
+    .examples = "  airlight table build ltsd --loss l3 -o ltsd-l3.json\n"
+                "  airlight table info ltsd-l3.json\n"
+                "  airlight table plot ltsd --g 0.9 > fit.csv   # cosine, phase function, fit\n",
+    .argument_min = 2,
+    .argument_max = 2,
+};
+
+/* ---- the three actions ---- */
+
+static cli_exit build(cli_host *host, const table_options *options, air_area_source source)
+{
+    air_area_table table;
+    if (options->output == NULL || source > AIR_AREA_SOURCE_MIX) {
+        cli_say(NULL, AIR_MESSAGE_ERROR, "table build: expected ltsd or mix, and -o FILE");
+        return CLI_USAGE;
+    }
+    air_area_table_fit(source, (air_area_loss)options->loss.value, &table);
+    return cli_host_exit(host, air_area_table_save(host->context, &table, options->output),
+                         options->output);
+}
+
+static cli_exit info(cli_host *host, const char *path)
+{
+    static const double shown[] = {0.0, 0.1, 0.4, 0.6, 0.9, 0.99};
+    air_area_table table;
+    const cli_exit result =
+        cli_host_exit(host, air_area_table_load(host->context, path, &table), path);
+    if (result != CLI_OK) {
+        return result;
+    }
+    printf("kind: %s\nloss: %s\nknots: %d, |g| up to 0.99\n", source_names[table.source],
+           loss_names[table.loss], (int)AIR_AREA_KNOTS);
+    for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
+        const air_area_lobe lobe = air_area_table_lobe(&table, shown[i]);
+        printf("g %.2f: near s %.6g w %.6g, far s %.6g w %.6g\n", shown[i], lobe.s_near,
+               lobe.w_near, lobe.s_far, lobe.w_far);
+    }
+    return CLI_OK;
+}
+
+/* Rows from the far pole to the peak, closer together near it. */
+static cli_exit plot(const table_options *options, air_area_source source)
+{
+    enum { ROWS = 400 };
+    const double g = options->g.set ? options->g.value : 0.4;
+    const air_area_lobe lobe = air_area_fit(source, (air_area_loss)options->loss.value, g);
+    printf("cosine_to_peak,phase,fit,difference\n");
+    for (int i = 0; i <= ROWS; i++) {
+        const double angle = acos(-1.0) * (1.0 - (double)i / ROWS), c = cos(angle);
+        const double p = air_area_phase_density(g, c), d = air_area_lobe_density(source, &lobe, c);
+        printf("%.9g,%.9g,%.9g,%.9g\n", c, p, d, d - p);
+    }
+    return CLI_OK;
+}
+
+/* ---- choosing one ---- */
+
+static size_t find(const char *text, const char *const *names)
+{
+    size_t i = 0;
+    while (names[i] != NULL && strcmp(names[i], text) != 0) {
+        i++;
+    }
+    return i;
+}
+
+static cli_exit run(cli_host *host, const table_options *options, const char *action,
+                    const char *subject)
+{
+    if (strcmp(action, "info") == 0) {
+        return info(host, subject);
+    }
+    const size_t source = find(subject, source_names);
+    if (source_names[source] == NULL) {
+        cli_say(NULL, AIR_MESSAGE_ERROR,
+                "table: kind \"%s\" is not known: expected ltsd, mix, cosine or uniform", subject);
+        return CLI_USAGE;
+    }
+    if (strcmp(action, "build") == 0) {
+        return build(host, options, (air_area_source)source);
+    }
+    if (strcmp(action, "plot") == 0) {
+        return plot(options, (air_area_source)source);
+    }
+    cli_say(NULL, AIR_MESSAGE_ERROR, "table: \"%s\" is not known: expected build, info or plot",
+            action);
+    return CLI_USAGE;
+}
+
+cli_exit cli_table(int argc, char **argv)
+{
+    table_options options = {.output = NULL};
+    cli_host_options host_options = {.quiet = false};
+    cli_host host = {.context = NULL};
+    const cli_option_group groups[] = {
+        {"Options", table_table, sizeof table_table / sizeof table_table[0], &options},
+        cli_host_group(&host_options)};
+    const cli_parsed parsed =
+        cli_parse(&table_usage, groups, sizeof groups / sizeof groups[0], &argc, argv);
+    if (parsed != CLI_PARSED) {
+        return parsed == CLI_PARSED_HELP ? CLI_OK : CLI_USAGE;
+    }
+    cli_exit result = cli_host_open(&host, &host_options);
+    if (result == CLI_OK) {
+        result = run(&host, &options, argv[0], argv[1]);
+    }
+    cli_host_close(&host);
+    return result;
+}

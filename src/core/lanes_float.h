@@ -1,0 +1,125 @@
+/* lanes_float.h: floats side by side, 16 with AVX-512, 8 with AVX2, 4 with SSE4.2, under the names
+ * of lanes.h and lanes_double.h, instead of which a file includes it. */
+#ifndef AIR_CORE_LANES_FLOAT_H
+#define AIR_CORE_LANES_FLOAT_H
+
+#include <immintrin.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+typedef float lane_real;
+
+/* Arguments of roots and inverses stay within these. */
+#define LANES_LEAST    1e-36
+#define LANES_GREATEST 1e36
+
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+
+enum { LANES = 16 };
+typedef __m512 lanes;
+typedef __mmask16 lane_mask;
+
+static inline lanes lanes_all(float x) { return _mm512_set1_ps(x); }
+static inline lanes lanes_load(const float *p) { return _mm512_loadu_ps(p); }
+static inline void lanes_store(float *p, lanes a) { _mm512_storeu_ps(p, a); }
+static inline lanes lanes_min(lanes a, lanes b) { return _mm512_min_ps(a, b); }
+static inline lanes lanes_max(lanes a, lanes b) { return _mm512_max_ps(a, b); }
+static inline lanes lanes_abs(lanes a) { return _mm512_abs_ps(a); }
+static inline lanes lanes_madd(lanes a, lanes b, lanes c) { return _mm512_fmadd_ps(a, b, c); }
+static inline lanes lanes_nmadd(lanes a, lanes b, lanes c) { return _mm512_fnmadd_ps(a, b, c); }
+static inline lane_mask lanes_less(lanes a, lanes b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ);
+}
+static inline lane_mask lanes_equal(lanes a, lanes b)
+{
+    return _mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ);
+}
+static inline lane_mask mask_none(void) { return 0; }
+static inline lane_mask mask_and(lane_mask a, lane_mask b) { return (lane_mask)(a & b); }
+static inline lane_mask mask_and_not(lane_mask a, lane_mask b) { return (lane_mask)(a & ~b); }
+static inline lane_mask mask_or(lane_mask a, lane_mask b) { return (lane_mask)(a | b); }
+static inline bool mask_any(lane_mask a) { return a != 0; }
+static inline lanes lanes_select(lane_mask mask, lanes a, lanes b)
+{
+    return _mm512_mask_blend_ps(mask, b, a);
+}
+
+/* 14 bits from the processor, doubled by Newton's rule. */
+static inline lanes lanes_inverse_root(lanes x)
+{
+    const lanes half = lanes_all(0.5f), y = _mm512_rsqrt14_ps(x);
+    return lanes_madd(y, lanes_nmadd(x * half * y, y, half), y);
+}
+
+static inline lanes lanes_root(lanes x) { return x * lanes_inverse_root(x); }
+
+static inline lanes lanes_inverse(lanes x)
+{
+    const lanes y = _mm512_rcp14_ps(x);
+    return lanes_madd(y, lanes_nmadd(x, y, lanes_all(1.0f)), y);
+}
+
+#elif defined(__AVX2__) && defined(__FMA__)
+
+enum { LANES = 8 };
+typedef __m256 lanes;
+typedef __m256 lane_mask;
+
+static inline lanes lanes_all(float x) { return _mm256_set1_ps(x); }
+static inline lanes lanes_load(const float *p) { return _mm256_loadu_ps(p); }
+static inline void lanes_store(float *p, lanes a) { _mm256_storeu_ps(p, a); }
+static inline lanes lanes_min(lanes a, lanes b) { return _mm256_min_ps(a, b); }
+static inline lanes lanes_max(lanes a, lanes b) { return _mm256_max_ps(a, b); }
+static inline lanes lanes_abs(lanes a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a); }
+static inline lanes lanes_madd(lanes a, lanes b, lanes c) { return _mm256_fmadd_ps(a, b, c); }
+static inline lanes lanes_nmadd(lanes a, lanes b, lanes c) { return _mm256_fnmadd_ps(a, b, c); }
+static inline lane_mask lanes_less(lanes a, lanes b) { return _mm256_cmp_ps(a, b, _CMP_LT_OQ); }
+static inline lane_mask lanes_equal(lanes a, lanes b) { return _mm256_cmp_ps(a, b, _CMP_EQ_OQ); }
+static inline lane_mask mask_none(void) { return _mm256_setzero_ps(); }
+static inline lane_mask mask_and(lane_mask a, lane_mask b) { return _mm256_and_ps(a, b); }
+static inline lane_mask mask_and_not(lane_mask a, lane_mask b) { return _mm256_andnot_ps(b, a); }
+static inline lane_mask mask_or(lane_mask a, lane_mask b) { return _mm256_or_ps(a, b); }
+static inline bool mask_any(lane_mask a) { return _mm256_movemask_ps(a) != 0; }
+static inline lanes lanes_select(lane_mask mask, lanes a, lanes b)
+{
+    return _mm256_blendv_ps(b, a, mask);
+}
+static inline lanes lanes_root(lanes x) { return _mm256_sqrt_ps(x); }
+static inline lanes lanes_inverse_root(lanes x) { return lanes_all(1.0f) / _mm256_sqrt_ps(x); }
+static inline lanes lanes_inverse(lanes x) { return lanes_all(1.0f) / x; }
+
+#else
+
+enum { LANES = 4 };
+typedef __m128 lanes;
+typedef __m128 lane_mask;
+
+static inline lanes lanes_all(float x) { return _mm_set1_ps(x); }
+static inline lanes lanes_load(const float *p) { return _mm_loadu_ps(p); }
+static inline void lanes_store(float *p, lanes a) { _mm_storeu_ps(p, a); }
+static inline lanes lanes_min(lanes a, lanes b) { return _mm_min_ps(a, b); }
+static inline lanes lanes_max(lanes a, lanes b) { return _mm_max_ps(a, b); }
+static inline lanes lanes_abs(lanes a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a); }
+/* Rounds twice: there is no fused instruction. */
+static inline lanes lanes_madd(lanes a, lanes b, lanes c) { return a * b + c; }
+static inline lanes lanes_nmadd(lanes a, lanes b, lanes c) { return c - a * b; }
+static inline lane_mask lanes_less(lanes a, lanes b) { return _mm_cmplt_ps(a, b); }
+static inline lane_mask lanes_equal(lanes a, lanes b) { return _mm_cmpeq_ps(a, b); }
+static inline lane_mask mask_none(void) { return _mm_setzero_ps(); }
+static inline lane_mask mask_and(lane_mask a, lane_mask b) { return _mm_and_ps(a, b); }
+static inline lane_mask mask_and_not(lane_mask a, lane_mask b) { return _mm_andnot_ps(b, a); }
+static inline lane_mask mask_or(lane_mask a, lane_mask b) { return _mm_or_ps(a, b); }
+static inline bool mask_any(lane_mask a) { return _mm_movemask_ps(a) != 0; }
+static inline lanes lanes_select(lane_mask mask, lanes a, lanes b)
+{
+    return _mm_blendv_ps(b, a, mask);
+}
+static inline lanes lanes_root(lanes x) { return _mm_sqrt_ps(x); }
+static inline lanes lanes_inverse_root(lanes x) { return lanes_all(1.0f) / _mm_sqrt_ps(x); }
+static inline lanes lanes_inverse(lanes x) { return lanes_all(1.0f) / x; }
+
+#endif
+
+#endif
