@@ -44,6 +44,7 @@ typedef struct render_run {
     json_t *description;
     cli_camera camera;
     air_render_params params;
+    air_area_table area_table;
     cli_attributes attributes;
     air_film *film;
     bool interrupted;
@@ -146,6 +147,12 @@ static cli_exit prepare(render_run *run)
     }
     if (result == CLI_OK) {
         result = cli_render_params(&run->host, &run->options, &run->camera, &run->params);
+    }
+    if (result == CLI_OK && run->options.area_table != NULL) {
+        const char *path = run->options.area_table;
+        result = cli_host_exit(
+            &run->host, air_area_table_load(run->host.context, path, &run->area_table), path);
+        run->params.area_table = &run->area_table;
     }
     run->load_s = cli_clock() - start_s;
     return result == CLI_OK ? check_content(run) : result;

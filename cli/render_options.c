@@ -22,6 +22,7 @@ enum { QUALITY_MEDIUM = 1 };
 /* In the order of air_term, air_filter and air_pattern. */
 static const char *const term_names[] = {"S0", "S+", "M1", "M2", "emission", "background", NULL};
 static const char *const filter_names[] = {"box", "point", "tent", "gaussian", NULL};
+static const char *const rule_names[] = {"riemann", "gauss", "optical", "equiangular", NULL};
 static const char *const pattern_names[] = {"independent", "stratified", "systematic", "blue-noise",
                                             NULL};
 
@@ -112,7 +113,43 @@ static const cli_option light_options[] = {
      .offset = offsetof(cli_render_options, method),
      .help = "auto, METHOD[:MODE], or LIGHT=METHOD[:MODE],...; default auto. Methods: path; "
              "collimated (suns and beams in convex homogeneous media) with modes exact, rm, ds, "
-             "wvds, rees, reds, me, me6, me-ideal, me6-ideal."},
+             "wvds, rees, reds, me, me6, me-ideal, me6-ideal; arealight (lamps, media of constant "
+             "density) with modes edge, mix, ltsd, volume-ris."},
+    {.name = "quadrature",
+     .kind = CLI_CHOICE,
+     .value = "RULE",
+     .choices = rule_names,
+     .offset = offsetof(cli_render_options, rule),
+     .help = "Of arealight along a ray: riemann (equal steps), gauss, optical (equal optical "
+             "depth) or equiangular; default equiangular."},
+    {.name = "nodes",
+     .kind = CLI_COUNT,
+     .value = "N",
+     .min = 1,
+     .max = AIR_AREA_MAX_NODES,
+     .offset = offsetof(cli_render_options, nodes),
+     .help = "Points of that rule on each stretch of a ray in a medium; default 8."},
+    {.name = "area-table",
+     .kind = CLI_TEXT,
+     .value = "FILE",
+     .offset = offsetof(cli_render_options, area_table),
+     .help =
+         "Of arealight:ltsd or :mix: fitted lobes as `airlight table build` writes them; default "
+         "the library's own."},
+    {.name = "shadow-samples",
+     .kind = CLI_COUNT,
+     .value = "K",
+     .max = AIR_AREA_MAX_DRAWS,
+     .offset = offsetof(cli_render_options, shadow_samples),
+     .help = "Of arealight: shadow rays for each sample and lamp; 0: nothing is in the way of "
+             "lamps; default 1."},
+    {.name = "candidates",
+     .kind = CLI_COUNT,
+     .value = "M",
+     .min = 1,
+     .max = AIR_AREA_MAX_DRAWS,
+     .offset = offsetof(cli_render_options, candidates),
+     .help = "Of arealight: samples from which each shadow ray is chosen; default 8."},
     {.name = "terms",
      .kind = CLI_SET,
      .value = "LIST",
@@ -338,6 +375,18 @@ cli_exit cli_render_params(cli_host *host, const cli_render_options *options,
     params->filter_radius = air_filter_radius_default(params->filter);
     if (options->pattern.set) {
         params->pattern = (air_pattern)options->pattern.value;
+    }
+    if (options->rule.set) {
+        params->area_rule = (air_area_rule)options->rule.value;
+    }
+    if (options->nodes.set) {
+        params->area_nodes = (uint32_t)options->nodes.value;
+    }
+    if (options->shadow_samples.set) {
+        params->shadow_samples = (uint32_t)options->shadow_samples.value;
+    }
+    if (options->candidates.set) {
+        params->shadow_candidates = (uint32_t)options->candidates.value;
     }
     if (options->method != NULL) {
         params->methods = options->method;

@@ -16,6 +16,9 @@ typedef struct sun_scene {
     bool coverage;      /* one block is half transparent */
     bool lamp;          /* a point light that path has to render */
     bool camera_inside;
+    int panels;   /* flat lamps: 1 in the haze, 2: also one that is not convex and has two sides */
+    bool no_suns; /* only these */
+    bool matte;   /* surfaces reflect evenly, without highlights */
 } sun_scene;
 
 static inline sun_scene sun_scene_default(void)
@@ -48,6 +51,29 @@ static inline air_status sun_add_block(air_scene *scene, const float low[3], con
     return air_scene_add_mesh(scene, &mesh, &handle);
 }
 
+static inline air_status sun_add_panels(air_scene *scene, const sun_scene *s)
+{
+    static const float square[12] = {-0.4f, 1.6f, -0.3f, 0.6f,  1.6f, -0.3f,
+                                     0.6f,  1.6f, 0.4f,  -0.4f, 1.6f, 0.4f};
+    static const float corner[18] = {-1.2f, 0.5f, 0.8f, -1.2f, 1.5f, 0.8f,  -1.2f, 1.5f, 0.4f,
+                                     -1.2f, 0.9f, 0.4f, -1.2f, 0.9f, -0.4f, -1.2f, 0.5f, -0.4f};
+    air_light_desc light;
+    air_handle handle;
+    air_status status = AIR_OK;
+    for (int i = 0; i < s->panels && status == AIR_OK; i++) {
+        air_light_desc_default(&light);
+        light.name = i == 0 ? "panel" : "corner";
+        light.kind = AIR_LIGHT_POLYGON;
+        room_set3(light.color, 3.0f, 2.0f, 1.0f);
+        light.vertices = i == 0 ? square : corner;
+        light.vertex_count = i == 0 ? 4 : 6;
+        light.one_sided = i == 0;
+        light.camera_visible = false;
+        status = air_scene_add_light(scene, &light, &handle);
+    }
+    return status;
+}
+
 static inline air_status sun_add_lights(air_scene *scene, const sun_scene *s)
 {
     static const float square[12] = {-0.9f, 3, -0.6f, 0.3f,  3, -0.6f,
@@ -56,6 +82,10 @@ static inline air_status sun_add_lights(air_scene *scene, const sun_scene *s)
     const air_gobo_window windows[2] = {{square, 4}, {arrow, 4}};
     air_light_desc light;
     air_handle handle;
+    air_status status = sun_add_panels(scene, s);
+    if (status != AIR_OK || s->no_suns) {
+        return status;
+    }
     air_light_desc_default(&light);
     light.name = "sun";
     light.kind = AIR_LIGHT_COLLIMATED;
@@ -63,7 +93,7 @@ static inline air_status sun_add_lights(air_scene *scene, const sun_scene *s)
     memcpy(light.dir, s->dir, sizeof light.dir);
     light.windows = windows;
     light.window_count = s->windows ? 2 : 0;
-    air_status status = air_scene_add_light(scene, &light, &handle);
+    status = air_scene_add_light(scene, &light, &handle);
     if (status == AIR_OK && s->two_suns) {
         air_light_desc_default(&light);
         light.name = "second sun";
@@ -128,6 +158,7 @@ static inline air_status sun_add_meshes(air_scene *scene, const sun_scene *s)
     air_material_desc_default(&material);
     room_set3(material.base_color, 0.6f, 0.5f, 0.4f);
     material.roughness = 0.5f;
+    material.specular = s->matte ? 0.0f : material.specular;
     air_status status = air_scene_add_material(scene, &material, &grey);
     material.base_color[3] = 0.5f;
     material.alpha_mode = AIR_ALPHA_BLEND;

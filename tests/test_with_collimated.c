@@ -1,65 +1,8 @@
 /* The collimated method in pictures: who owns what, and that every way of sharing light out between
  * it and path gives the picture that path gives alone. */
-#include <stdio.h>
-
-#include "cmocka_test.h"
 #include "image/film.h"
+#include "picture_fixture.h"
 #include "sun_scene.h"
-
-enum { WIDTH = 24, HEIGHT = 16, REPLICATES = 16 };
-
-typedef struct messages {
-    char last_warning[512];
-    size_t warnings;
-} messages;
-
-static void keep(void *user, air_message_level level, const char *text)
-{
-    messages *m = user;
-    if (level == AIR_MESSAGE_WARNING) {
-        m->warnings++;
-        snprintf(m->last_warning, sizeof m->last_warning, "%s", text);
-    }
-}
-
-static air_context *make_context(size_t threads, messages *m)
-{
-    air_context_params params;
-    air_context *context;
-    air_context_params_default(&params);
-    params.thread_count = threads;
-    if (m != NULL) {
-        memset(m, 0, sizeof *m);
-        params.message = keep;
-        params.message_user = m;
-    }
-    assert_int_equal(air_context_create(&params, &context), AIR_OK);
-    return context;
-}
-
-static air_render_params picture(const char *methods, uint32_t samples)
-{
-    air_render_params params;
-    air_render_params_default(&params);
-    params.width = WIDTH;
-    params.height = HEIGHT;
-    params.sample_end = samples;
-    params.max_depth = 1;
-    params.methods = methods;
-    params.layers = true;
-    return params;
-}
-
-static air_image *render(air_context *context, const air_snapshot *snapshot,
-                         const air_render_params *params)
-{
-    air_film *film;
-    air_image *image;
-    assert_int_equal(air_render(context, snapshot, params, &film), AIR_OK);
-    assert_int_equal(air_film_resolve(film, NULL, &image), AIR_OK);
-    air_film_destroy(film);
-    return image;
-}
 
 /* ---- owners ---- */
 
@@ -164,20 +107,6 @@ static sun_scene scene_number(int i)
 }
 
 enum { SCENES = 7 };
-
-/* Blocks of 4 x 4 pixels, 3 channels, 24 blocks: sidak_p is the chance that the largest deviation
- * is as large or larger; below 1e-4 once in 10,000 runs of a right program. */
-static void assert_same_expectation(air_context *context, const air_image *a, const air_image *b,
-                                    int scene, const char *methods)
-{
-    air_ztest test;
-    assert_int_equal(air_image_ztest(context, a, b, a, b, 4, REPLICATES - 1, &test), AIR_OK);
-    assert_true(test.test_count > 0);
-    if (!(test.sidak_p > 1e-4) || !(test.mean_p > 1e-4)) {
-        fail_msg("scene %d, %s: largest deviation p = %g, mean p = %g (z %g)", scene, methods,
-                 test.sidak_p, test.mean_p, test.mean_z);
-    }
-}
 
 static void every_mode_has_the_expectation_of_path(void **state)
 {

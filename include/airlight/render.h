@@ -5,6 +5,7 @@
 #ifndef AIRLIGHT_RENDER_H
 #define AIRLIGHT_RENDER_H
 
+#include "airlight/area_table.h"
 #include "airlight/image.h"
 #include "airlight/scene.h"
 
@@ -22,7 +23,7 @@ typedef enum air_term {
     AIR_TERM_COUNT = 6
 } air_term;
 
-enum { AIR_TERMS_ALL = 63 };
+enum { AIR_TERMS_ALL = 63, AIR_AREA_MAX_DRAWS = 1024 };
 
 /* "S0", "S+", "M1", "M2", "emission", "background". */
 AIR_API const char *air_term_name(air_term term);
@@ -31,7 +32,9 @@ typedef enum air_method {
     AIR_METHOD_PATH = 0,       /* everything, by unbiased path tracing */
     AIR_METHOD_COLLIMATED = 1, /* S0 and M1 of collimated lights where all media are convex and of
                                   constant density */
-    AIR_METHOD_COUNT = 2
+    AIR_METHOD_AREALIGHT = 2,  /* S0 and M1 of lamps: flat polygons, and emissive meshes without
+                                  texture, where all media are of constant density */
+    AIR_METHOD_COUNT = 3
 } air_method;
 AIR_API const char *air_method_name(air_method method);
 
@@ -42,7 +45,8 @@ typedef struct air_owner_table air_owner_table;
 /* Parses "auto", "METHOD[:MODE]" or "LIGHT=METHOD[:MODE],...". A method that does not apply falls
  * back to path with one warning that says why. auto: collimated:exact where it applies, else path.
  * Modes of collimated: exact (the default), rm, ds, wvds, rees, reds, me, me6, me-ideal, me6-ideal
- * (docs/collimated.md). */
+ * (docs/collimated.md). Modes of arealight: edge (the default), mix, ltsd, volume-ris
+ * (docs/arealight.md). */
 AIR_API air_status air_owner_table_create(air_context *context, const air_snapshot *snapshot,
                                           const char *methods, air_owner_table **out_table);
 AIR_API void air_owner_table_destroy(air_owner_table *table);
@@ -118,6 +122,15 @@ typedef struct air_render_params {
     air_filter filter;   /* default box */
     float filter_radius; /* pixels, (0, 16]; air_filter_radius_default of the filter */
     air_pattern pattern; /* default AIR_PATTERN_STRATIFIED */
+    /* Of method arealight: the rule and the number of its nodes along each stretch of a ray in a
+     * medium; how many samples of visibility each sample takes per lamp (0: nothing is in the way
+     * of lamps), each chosen from so many candidates (Volume-RIS: as many). */
+    air_area_rule area_rule;          /* default AIR_AREA_EQUIANGULAR */
+    uint32_t area_nodes;              /* [1, AIR_AREA_MAX_NODES]; default 8 */
+    uint32_t shadow_samples;          /* [0, AIR_AREA_MAX_DRAWS]; default 1 */
+    uint32_t shadow_candidates;       /* [1, AIR_AREA_MAX_DRAWS]; default 8 */
+    const air_area_table *area_table; /* lobes of modes ltsd or mix, whichever it is for; borrowed;
+                                         NULL: the library's */
     double time_limit_s; /* INFINITY: none. Stops after the pass in which it is exceeded */
     size_t tile_size;    /* pixels; has no influence on the result; default 32 */
     bool layers; /* keep the terms apart in the film, for layers; else they share one slot; default
@@ -175,6 +188,8 @@ typedef struct air_resolve_params {
     bool guides;   /* "albedo.R", ..., "normal.X", ..., "depth.Z" where the film has them; default
                       true */
     bool variance; /* of the mean: "variance.R", ... where the film has replicates; default true */
+    bool smooth;   /* smooth the visible shares of lamps (method arealight) before they are divided;
+                      default true */
 } air_resolve_params;
 
 AIR_API void air_resolve_params_default(air_resolve_params *params);

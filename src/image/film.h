@@ -16,8 +16,16 @@ typedef enum air_slot_kind {
     AIR_SLOT_RATIO = 1, /* analytic, unoccluded, occluded, plain: 3 sums each; resolves to A/n * O/U
                            + P/n, part of beauty, a layer */
     AIR_SLOT_GUIDE = 2, /* sums, not part of beauty */
-    AIR_SLOT_SQUARES = 3 /* 3 sums over replicates of the squared sum of beauty */
+    AIR_SLOT_SQUARES = 3, /* 3 sums over replicates of the squared sum of beauty */
+    AIR_SLOT_SHARE =
+        4 /* as AIR_SLOT_RATIO, and a 13th sum, the number of samples of O and U:
+before    these are divided, they are smoothed by what the guides see, the less the more they are */
 } air_slot_kind;
+
+static inline bool air_slot_is_ratio(air_slot_kind kind)
+{
+    return kind == AIR_SLOT_RATIO || kind == AIR_SLOT_SHARE;
+}
 
 typedef struct air_film_slot {
     air_slot_kind kind;
@@ -32,7 +40,7 @@ typedef struct air_film_layout {
     uint32_t stride; /* doubles per pixel */
 } air_film_layout;
 
-/* Appends a slot. components: 3 for terms and squares, 12 for ratios. */
+/* Appends a slot. components: 3 for terms and squares, 12 for ratios, 13 for shares. */
 void air_film_layout_add(air_film_layout *layout, air_slot_kind kind, const char *name,
                          uint32_t components);
 

@@ -135,10 +135,11 @@ static air_status take_slots(byte_reader *reader, uint32_t count, air_film_layou
         if (status != AIR_OK) {
             return status;
         }
-        const bool fits = kind <= AIR_SLOT_SQUARES &&
-                          (kind == AIR_SLOT_RATIO   ? components == 12
-                           : kind == AIR_SLOT_GUIDE ? components == 1 || components == 3
-                                                    : components == 3);
+        const bool fits =
+            kind <= AIR_SLOT_SHARE && (kind == AIR_SLOT_RATIO   ? components == 12
+                                       : kind == AIR_SLOT_SHARE ? components == 13
+                                       : kind == AIR_SLOT_GUIDE ? components == 1 || components == 3
+                                                                : components == 3);
         if (!fits || name[AIR_FILM_NAME - 1] != '\0' || name[0] == '\0') {
             return broken(reader, "a slot of a known kind, number of components and name");
         }

@@ -2,10 +2,11 @@
 #include <string.h>
 
 #include "image/film.h"
+#include "image/film_share.h"
 
 void air_resolve_params_default(air_resolve_params *params)
 {
-    params->layers = params->guides = params->variance = true;
+    params->layers = params->guides = params->variance = params->smooth = true;
 }
 
 static const char *const beauty_channels[3] = {"R", "G", "B"};
@@ -24,6 +25,7 @@ static bool shown(const air_film_slot *slot, const air_resolve_params *params)
     switch (slot->kind) {
     case AIR_SLOT_TERM:
     case AIR_SLOT_RATIO:
+    case AIR_SLOT_SHARE:
         return params->layers && strcmp(slot->name, "beauty") != 0;
     case AIR_SLOT_GUIDE:
         return params->guides;
@@ -35,7 +37,7 @@ static bool shown(const air_film_slot *slot, const air_resolve_params *params)
 
 static uint32_t shown_components(const air_film_slot *slot)
 {
-    return slot->kind == AIR_SLOT_RATIO ? 3 : slot->components;
+    return air_slot_is_ratio(slot->kind) ? 3 : slot->components;
 }
 
 /* Creates the image with all channels: beauty, then those of the slots shown, in order. */
@@ -84,11 +86,34 @@ static double sample_count(const air_film *film)
     return count;
 }
 
+/* Puts the smoothed visible shares in the place of the pixel's own: what is left of O / U counts.
+ */
+static void set_shares(const air_film *film, const air_film_shares *shares, size_t pixel,
+                       double *sums)
+{
+    size_t next = 0;
+    for (uint32_t s = 0; s < film->layout.slot_count; s++) {
+        const air_film_slot *slot = &film->layout.slots[s];
+        if (slot->kind != AIR_SLOT_SHARE) {
+            continue;
+        }
+        for (uint32_t c = 0; c < 3; c++) {
+            const float *planes = shares->planes + 6 * next * shares->pixels + pixel;
+            const double o = (double)planes[c * shares->pixels];
+            const double u = (double)planes[(3 + c) * shares->pixels];
+            /* where no sample brought anything, nothing is known to be in the way */
+            sums[slot->offset + 6 + c] = u > 0.0 ? o : 1.0;
+            sums[slot->offset + 3 + c] = u > 0.0 ? u : 1.0;
+        }
+        next++;
+    }
+}
+
 /* One component of a slot that is part of beauty. */
 static double mean(const air_film_slot *slot, const double *sums, uint32_t c, double count)
 {
     const double *s = sums + slot->offset;
-    if (slot->kind == AIR_SLOT_RATIO) {
+    if (air_slot_is_ratio(slot->kind)) {
         return air_ratio_total(s, c) / count;
     }
     return s[c] / count;
@@ -99,7 +124,7 @@ static double beauty(const air_film *film, const double *sums, uint32_t c, doubl
     double sum = 0.0;
     for (uint32_t s = 0; s < film->layout.slot_count; s++) {
         const air_film_slot *slot = &film->layout.slots[s];
-        if (slot->kind == AIR_SLOT_TERM || slot->kind == AIR_SLOT_RATIO) {
+        if (slot->kind == AIR_SLOT_TERM || air_slot_is_ratio(slot->kind)) {
             sum += mean(slot, sums, c, count);
         }
     }
@@ -117,11 +142,15 @@ static double variance(const air_film *film, const air_film_slot *slot, const do
     return squares > 0.0 ? squares / (replicates * (replicates - 1.0)) : 0.0;
 }
 
-static void resolve_pixel(const air_film *film, const air_resolve_params *params, size_t pixel,
-                          double *sums, double count, air_image *image)
+static void resolve_pixel(const air_film *film, const air_resolve_params *params,
+                          const air_film_shares *shares, size_t pixel, double *sums, double count,
+                          air_image *image)
 {
     size_t channel = 0;
     total_pixel(film, pixel, sums);
+    if (shares->planes != NULL) {
+        set_shares(film, shares, pixel, sums);
+    }
     for (uint32_t c = 0; c < 3; c++) {
         air_image_plane(image, channel++)[pixel] = (float)beauty(film, sums, c, count);
     }
@@ -160,13 +189,19 @@ air_status air_film_resolve(const air_film *film, const air_resolve_params *para
         sums = air_allocate(film->context, film->layout.stride, sizeof *sums);
         status = sums == NULL ? air_fail_memory(film->context, "resolving the film") : AIR_OK;
     }
+    air_film_shares shares = {.context = film->context};
+    if (status == AIR_OK && params->smooth) {
+        status = air_film_shares_init(&shares, film, count);
+    }
     if (status != AIR_OK) {
+        air_free(film->context, sums);
         air_image_destroy(image);
         return status;
     }
     for (size_t pixel = 0; pixel < air_film_pixel_count(film); pixel++) {
-        resolve_pixel(film, params, pixel, sums, count, image);
+        resolve_pixel(film, params, &shares, pixel, sums, count, image);
     }
+    air_film_shares_finish(&shares);
     air_free(film->context, sums);
     *out_image = image;
     return AIR_OK;

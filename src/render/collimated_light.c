@@ -359,7 +359,7 @@ static void queue(air_collimated_scratch *scratch, const air_ray *ray, collimate
 
 /* Sends the queued rays and adds what arrives. */
 static void send(const air_with_collimated *with, air_collimated_scratch *scratch,
-                 air_path_lane *lanes, air_ratio_sample *ratios)
+                 air_path_lane *lanes, air_lane_ratios *ratios)
 {
     const size_t count = scratch->query_count;
     scratch->query_count = 0;
@@ -377,8 +377,8 @@ static void send(const air_with_collimated *with, air_collimated_scratch *scratc
         if (with->snapshot->has_alpha && scratch->rays[i].mask != 0) {
             value = vec3_scale(value, air_path_alpha_transmittance(with->path, &scratch->rays[i]));
         }
-        air_vec3 *sum =
-            query->ratio ? &ratios[query->lane].occluded : &lanes[query->lane].terms[query->term];
+        air_vec3 *sum = query->ratio ? &ratios[query->lane].volume.occluded
+                                     : &lanes[query->lane].terms[query->term];
         *sum = vec3_add(*sum, value);
     }
 }
@@ -446,7 +446,7 @@ static void add_volume_sampled(const air_with_collimated *with, air_collimated_s
 }
 
 static void add_volume(const air_with_collimated *with, air_collimated_scratch *scratch,
-                       air_path_lane *lanes, air_ratio_sample *ratios, size_t count)
+                       air_path_lane *lanes, air_lane_ratios *ratios, size_t count)
 {
     bool sampled = false;
     for (size_t i = 0; i < with->lamp_count; i++) {
@@ -457,7 +457,7 @@ static void add_volume(const air_with_collimated *with, air_collimated_scratch *
         }
     }
     for (size_t i = 0; sampled && i < count; i++) {
-        add_volume_sampled(with, scratch, &lanes[i], i, &ratios[i]);
+        add_volume_sampled(with, scratch, &lanes[i], i, &ratios[i].volume);
     }
     send(with, scratch, lanes, ratios);
 }
@@ -512,9 +512,8 @@ static void add_surfaces(const air_with_collimated *with, air_collimated_scratch
 }
 
 void air_with_collimated_add(const air_with_collimated *with, air_collimated_scratch *scratch,
-                             air_path_lane *lanes, air_ratio_sample *ratios, size_t count)
+                             air_path_lane *lanes, air_lane_ratios *ratios, size_t count)
 {
-    memset(ratios, 0, count * sizeof *ratios);
     if (with->volume) {
         add_volume(with, scratch, lanes, ratios, count);
     }

@@ -254,7 +254,7 @@ static void append_owner(json_t *array, const air_snapshot *snapshot, const air_
     json_object_set_new(object, "term", json_string(air_term_name(term)));
     const air_method method = air_owner_table_get(table, light, medium, term);
     json_object_set_new(object, "method", json_string(air_method_name(method)));
-    set_if(object, method == AIR_METHOD_COLLIMATED, "mode",
+    set_if(object, method != AIR_METHOD_PATH, "mode",
            json_string(air_owner_table_mode(table, light)));
     json_array_append_new(array, object);
 }

@@ -1,8 +1,9 @@
 #include "render/owner.h"
 
+#include <stdio.h>
 #include <string.h>
 
-#include "render/with_collimated.h"
+#include "render/method.h"
 #include "scene/snapshot.h"
 
 const char *air_term_name(air_term term)
@@ -12,10 +13,16 @@ const char *air_term_name(air_term term)
     return (unsigned)term < AIR_TERM_COUNT ? names[term] : "unknown";
 }
 
+/* By air_method; path, which does everything else, has no kind. */
+static const air_method_kind *const kinds[AIR_METHOD_COUNT] = {NULL, &air_collimated_method,
+                                                               &air_area_method};
+
 const char *air_method_name(air_method method)
 {
-    static const char *const names[AIR_METHOD_COUNT] = {"path", "collimated"};
-    return (unsigned)method < AIR_METHOD_COUNT ? names[method] : "unknown";
+    if ((unsigned)method >= AIR_METHOD_COUNT) {
+        return "unknown";
+    }
+    return kinds[method] != NULL ? kinds[method]->name : "path";
 }
 
 size_t air_owner_table_size(const air_owner_table *table)
@@ -48,9 +55,12 @@ bool air_owner_table_uses(const air_owner_table *table, size_t light, air_method
 
 const char *air_owner_table_mode(const air_owner_table *table, size_t light)
 {
-    return light < table->light_count && air_owner_table_uses(table, light, AIR_METHOD_COLLIMATED)
-               ? air_collimated_mode_name((air_collimated_mode)table->modes[light])
-               : "";
+    for (int m = 0; m < AIR_METHOD_COUNT && light < table->light_count; m++) {
+        if (kinds[m] != NULL && air_owner_table_uses(table, light, (air_method)m)) {
+            return kinds[m]->modes[table->modes[light]];
+        }
+    }
+    return "";
 }
 
 /* A word of the method string: text[0..length). */
@@ -67,35 +77,70 @@ static bool word_is(word w, const char *text)
 /* What a word asks for. */
 typedef struct method_choice {
     air_method method;
-    air_collimated_mode mode;
+    uint8_t mode;   /* of the method's; the first is its default */
     bool automatic; /* where it applies, and not a word where it does not */
 } method_choice;
 
+/* "auto": collimated is the one that is true and free of noise. */
+static const method_choice automatic = {AIR_METHOD_COLLIMATED, 0, true};
+
+enum { EXPECTED = 512 };
+
+/* "path, collimated[:exact|rm|...], ..." */
+static void list_methods(char out[EXPECTED])
+{
+    size_t used = (size_t)snprintf(out, EXPECTED, "auto, path");
+    for (int m = 0; m < AIR_METHOD_COUNT; m++) {
+        for (size_t i = 0; kinds[m] != NULL && i < kinds[m]->mode_count && used < EXPECTED; i++) {
+            const bool last = i + 1 == kinds[m]->mode_count;
+            used += (size_t)snprintf(out + used, EXPECTED - used, "%s%s%s%s%s", i == 0 ? ", " : "|",
+                                     i == 0 ? kinds[m]->name : "", i == 0 ? "[:" : "",
+                                     kinds[m]->modes[i], last ? "]" : "");
+        }
+    }
+}
+
+/* Is the word the kind's name, with or without one of its modes? */
+static bool parse_kind(const air_method_kind *kind, word w, uint8_t *out_mode)
+{
+    const int length = (int)strlen(kind->name);
+    *out_mode = 0;
+    if (w.length < length || strncmp(w.text, kind->name, (size_t)length) != 0) {
+        return false;
+    }
+    if (w.length == length) {
+        return true;
+    }
+    const word mode = {w.text + length + 1, w.length - length - 1};
+    for (size_t i = 0; w.text[length] == ':' && i < kind->mode_count; i++) {
+        if (word_is(mode, kind->modes[i])) {
+            *out_mode = (uint8_t)i;
+            return true;
+        }
+    }
+    return false;
+}
+
 static air_status parse_method(const air_owner_table *table, word w, method_choice *out)
 {
-    static const char collimated[] = "collimated";
-    const int length = (int)sizeof collimated - 1;
-    const bool named = w.length >= length && strncmp(w.text, collimated, (size_t)length) == 0 &&
-                       (w.length == length || w.text[length] == ':');
-    *out = (method_choice){AIR_METHOD_PATH, AIR_COLLIMATED_EXACT, false};
+    *out = (method_choice){AIR_METHOD_PATH, 0, false};
     if (word_is(w, "path")) {
         return AIR_OK;
     }
-    if (word_is(w, "auto") || named) {
-        out->method = AIR_METHOD_COLLIMATED;
-        out->automatic = !named;
-    }
-    if (word_is(w, "auto") || (named && w.length == length) ||
-        (named && air_collimated_mode_parse(w.text + length + 1, (size_t)(w.length - length - 1),
-                                            &out->mode))) {
+    if (word_is(w, "auto")) {
+        *out = automatic;
         return AIR_OK;
     }
-    char modes[AIR_COLLIMATED_MODE_LIST];
-    air_collimated_mode_list(modes);
+    for (int m = 0; m < AIR_METHOD_COUNT; m++) {
+        if (kinds[m] != NULL && parse_kind(kinds[m], w, &out->mode)) {
+            out->method = (air_method)m;
+            return AIR_OK;
+        }
+    }
+    char expected[EXPECTED];
+    list_methods(expected);
     return air_fail(table->context, AIR_ERROR_ARGUMENT,
-                    "method \"%.*s\" is not known: expected auto, path or collimated[:MODE] with "
-                    "MODE one of %s",
-                    w.length, w.text, modes);
+                    "method \"%.*s\" is not known: expected one of %s", w.length, w.text, expected);
 }
 
 /* ---- who gets what ---- */
@@ -105,34 +150,36 @@ static void assign(air_owner_table *table, size_t light, method_choice choice)
     const size_t media = table->medium_count;
     uint8_t *rows = table->methods + light * (media + 1) * AIR_TERM_COUNT;
     memset(rows, AIR_METHOD_PATH, (media + 1) * AIR_TERM_COUNT);
-    table->modes[light] = (uint8_t)choice.mode;
+    table->modes[light] = choice.mode;
     /* Also where a term does not occur (S0 in a medium): path then sees that nothing is left. */
-    for (size_t m = 0; choice.method == AIR_METHOD_COLLIMATED && m <= media; m++) {
-        rows[m * AIR_TERM_COUNT + AIR_TERM_S0] = AIR_METHOD_COLLIMATED;
-        rows[m * AIR_TERM_COUNT + AIR_TERM_M1] = AIR_METHOD_COLLIMATED;
+    for (size_t m = 0; m <= media; m++) {
+        rows[m * AIR_TERM_COUNT + AIR_TERM_S0] = (uint8_t)choice.method;
+        rows[m * AIR_TERM_COUNT + AIR_TERM_M1] = (uint8_t)choice.method;
     }
 }
 
 /* Lights that a method was asked for and does not apply to; told of in one warning. */
 typedef struct refusals {
     size_t count;
+    air_method first_method;
     const char *first_light; /* its name */
-    char first_reason[AIR_COLLIMATED_REASON];
+    char first_reason[AIR_METHOD_REASON];
 } refusals;
 
 static void assign_or_refuse(air_owner_table *table, const air_snapshot *snapshot, size_t light,
                              method_choice choice, refusals *refused)
 {
-    char reason[AIR_COLLIMATED_REASON];
-    if (choice.method == AIR_METHOD_COLLIMATED &&
-        !air_collimated_applies(snapshot, light, reason)) {
-        choice.method = AIR_METHOD_PATH;
+    char reason[AIR_METHOD_REASON];
+    const air_method_kind *kind = kinds[choice.method];
+    if (kind != NULL && !kind->applies(snapshot, light, reason)) {
         if (!choice.automatic && refused->count++ == 0) {
+            refused->first_method = choice.method;
             refused->first_light = light < snapshot->lights.explicit_count
                                        ? snapshot->lights.entries[light].name
                                        : "emissive meshes";
             memcpy(refused->first_reason, reason, sizeof reason);
         }
+        choice.method = AIR_METHOD_PATH;
     }
     assign(table, light, choice);
 }
@@ -140,12 +187,14 @@ static void assign_or_refuse(air_owner_table *table, const air_snapshot *snapsho
 static void warn_of_refusals(const air_owner_table *table, const refusals *refused)
 {
     if (refused->count == 1) {
-        air_warn(table->context, "method collimated leaves light \"%s\" to path: %s",
-                 refused->first_light, refused->first_reason);
+        air_warn(table->context, "method %s leaves light \"%s\" to path: %s",
+                 air_method_name(refused->first_method), refused->first_light,
+                 refused->first_reason);
     } else if (refused->count > 1) {
         air_warn(table->context,
-                 "method collimated leaves %zu lights to path, the first of them \"%s\": %s",
-                 refused->count, refused->first_light, refused->first_reason);
+                 "method %s leaves %zu lights to path, the first of them \"%s\": %s",
+                 air_method_name(refused->first_method), refused->count, refused->first_light,
+                 refused->first_reason);
     }
 }
 
@@ -168,7 +217,6 @@ static air_status parse(air_owner_table *table, const air_snapshot *snapshot, co
     const char *rest = methods;
     refusals refused = {0};
     for (size_t i = 0; i < table->light_count; i++) { /* what is not named is automatic */
-        const method_choice automatic = {AIR_METHOD_COLLIMATED, AIR_COLLIMATED_EXACT, true};
         assign_or_refuse(table, snapshot, i, automatic, &refused);
     }
     while (true) {

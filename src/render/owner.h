@@ -8,7 +8,7 @@ struct air_owner_table {
     air_context *context;
     size_t light_count, medium_count;
     uint8_t *methods; /* [(light * (medium_count + 1) + medium) * AIR_TERM_COUNT + term] */
-    uint8_t *modes;   /* per light: air_collimated_mode where collimated owns something */
+    uint8_t *modes;   /* per light: of the method that owns something of it */
 };
 
 /* wanted[i] = 1 where `method` owns; as many entries as the table has. */

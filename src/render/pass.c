@@ -9,9 +9,11 @@
 typedef struct pass_worker {
     air_path_scratch *scratch;
     air_collimated_scratch *collimated; /* NULL where that method owns nothing */
+    air_area_scratch *arealight;        /* likewise */
     double *block;                      /* sums of the block under way */
     air_block_stack stack;
-    double replicate[12]; /* beauty of the replicate under way: the sums of a ratio */
+    /* Of the replicate under way: the sums of two ratios; all that is plain is in the first. */
+    double volume[12], surface[12];
 } pass_worker;
 
 typedef struct render_pass {
@@ -102,48 +104,65 @@ static void add_ratio(double *sums, const air_ratio_sample *ratio, air_vec3 plai
 }
 
 /* Adds one value to a slot of light; returns where the next slot begins. */
-static double *add_light(double *sums, const air_film_slot *slot, air_vec3 plain,
-                         const air_ratio_sample *ratio)
+static double *add_light(const render_pass *pass, double *sums, const air_film_slot *slot,
+                         air_vec3 plain, const air_ratio_sample *ratio)
 {
-    if (slot->kind == AIR_SLOT_RATIO) {
+    if (air_slot_is_ratio(slot->kind)) {
         add_ratio(sums, ratio, plain);
     } else {
         add3(sums, plain);
     }
+    if (slot->kind == AIR_SLOT_SHARE) {
+        sums[12] += pass->picture->params->shadow_samples;
+    }
     return sums + slot->components;
+}
+
+/* The ratio that belongs to a term, where there is one. */
+static const air_ratio_sample *ratio_of(const air_lane_ratios *ratios, uint32_t term)
+{
+    return term == AIR_TERM_S0 ? &ratios->surface : &ratios->volume;
+}
+
+static void add_replicate(const render_pass *pass, pass_worker *worker, const air_path_lane *lane,
+                          const air_lane_ratios *ratios, double *sum)
+{
+    add_ratio(worker->volume, &ratios->volume, lane_beauty(lane));
+    add_ratio(worker->surface, &ratios->surface, vec3_set1(0.0f));
+    if ((lane->sample + 1) % pass->film->replicate_size == 0) {
+        for (uint32_t c = 0; c < 3; c++) {
+            const double beauty =
+                air_ratio_total(worker->volume, c) + air_ratio_total(worker->surface, c);
+            sum[c] += beauty * beauty;
+        }
+        memset(worker->volume, 0, sizeof worker->volume);
+        memset(worker->surface, 0, sizeof worker->surface);
+    }
 }
 
 /* Adds one sample to the sums of its block. */
 static void accumulate(const render_pass *pass, pass_worker *worker, const air_path_lane *lane,
-                       const air_ratio_sample *ratio)
+                       const air_lane_ratios *ratios)
 {
-    const air_render_params *p = pass->picture->params;
-    const uint32_t size = pass->film->replicate_size;
+    const air_picture *picture = pass->picture;
     const air_film_slot *slot = pass->film->layout.slots;
     double *sum = worker->block;
-    if (!p->layers) {
-        sum = add_light(sum, slot++, lane_beauty(lane), ratio);
+    if (!picture->apart) {
+        sum = add_light(pass, sum, slot++, lane_beauty(lane), &ratios->volume);
     }
-    for (uint32_t t = 0; p->layers && t < AIR_TERM_COUNT; t++) {
-        if ((p->terms >> t) & 1u) {
-            sum = add_light(sum, slot++, lane->terms[t], ratio);
+    for (uint32_t t = 0; picture->apart && t < AIR_TERM_COUNT; t++) {
+        if ((picture->params->terms >> t) & 1u) {
+            sum = add_light(pass, sum, slot++, lane->terms[t], ratio_of(ratios, t));
         }
     }
-    if (p->guides) {
+    if (picture->guides) {
         add3(sum, lane->albedo);
         add3(sum + 3, lane->normal);
         sum[6] += (double)lane->depth;
         sum += 7;
     }
-    if (size > 0) {
-        add_ratio(worker->replicate, ratio, lane_beauty(lane));
-        if ((lane->sample + 1) % size == 0) {
-            for (uint32_t c = 0; c < 3; c++) {
-                const double beauty = air_ratio_total(worker->replicate, c);
-                sum[c] += beauty * beauty;
-            }
-            memset(worker->replicate, 0, sizeof worker->replicate);
-        }
+    if (pass->film->replicate_size > 0) {
+        add_replicate(pass, worker, lane, ratios, sum);
     }
 }
 
@@ -153,14 +172,16 @@ typedef struct pixel {
 } pixel;
 
 static void trace_block(const render_pass *pass, pass_worker *worker, air_path_lane *lanes,
-                        air_ratio_sample *ratios, size_t count)
+                        air_lane_ratios *ratios, size_t count)
 {
     const air_picture *picture = pass->picture;
     air_path_trace(&picture->path, worker->scratch, lanes, count);
+    memset(ratios, 0, count * sizeof *ratios);
     if (picture->collimated != NULL) {
         air_with_collimated_add(picture->collimated, worker->collimated, lanes, ratios, count);
-    } else {
-        memset(ratios, 0, count * sizeof *ratios);
+    }
+    if (picture->arealight != NULL) {
+        air_with_arealight_add(picture->arealight, worker->arealight, lanes, ratios, count);
     }
 }
 
@@ -173,7 +194,7 @@ static void render_block(const render_pass *pass, pass_worker *worker, const pix
     const size_t row = film->crop[2] - film->crop[0], stride = film->layout.stride;
     const uint32_t size = end - begin;
     air_path_lane lanes[AIR_PATH_LANES];
-    air_ratio_sample ratios[AIR_PATH_LANES];
+    air_lane_ratios ratios[AIR_PATH_LANES];
     for (size_t i = 0; i < count * size; i++) {
         const pixel *at = &pixels[i / size];
         make_lane(pass, at->x, at->y, begin + (uint32_t)(i % size), &lanes[i]);
@@ -276,6 +297,7 @@ static void free_workers(render_pass *pass, size_t count)
     for (size_t i = 0; pass->workers != NULL && i < count; i++) {
         air_free(context, pass->workers[i].scratch);
         air_collimated_scratch_destroy(pass->picture->collimated, pass->workers[i].collimated);
+        air_area_scratch_destroy(pass->picture->arealight, pass->workers[i].arealight);
         air_free(context, pass->workers[i].block);
         air_free(context, pass->workers[i].stack.sums);
     }
@@ -299,6 +321,13 @@ static air_status make_workers(render_pass *pass, size_t count)
         if (complete && pass->picture->collimated != NULL) {
             const air_status status =
                 air_collimated_scratch_create(pass->picture->collimated, &worker->collimated);
+            if (status != AIR_OK) {
+                return status;
+            }
+        }
+        if (complete && pass->picture->arealight != NULL) {
+            const air_status status =
+                air_area_scratch_create(pass->picture->arealight, &worker->arealight);
             if (status != AIR_OK) {
                 return status;
             }

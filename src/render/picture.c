@@ -10,35 +10,58 @@ static uint64_t settings_hash(const air_picture *picture)
     const air_render_params *p = picture->params;
     const air_camera_view *view = &picture->view;
     const air_vec3 rays[4] = {view->origin, view->dir, view->step_x, view->step_y};
-    const uint32_t numbers[5] = {p->max_depth, p->terms, (uint32_t)p->filter, (uint32_t)view->kind,
-                                 (uint32_t)p->pattern};
+    const uint32_t numbers[] = {p->max_depth,         p->terms,
+                                (uint32_t)p->filter,  (uint32_t)view->kind,
+                                (uint32_t)p->pattern, (uint32_t)p->area_rule,
+                                p->area_nodes,        p->shadow_samples,
+                                p->shadow_candidates};
     uint64_t hash = air_fingerprint_snapshot(picture->snapshot);
     hash = air_fingerprint_add(hash, rays, sizeof rays);
     hash = air_fingerprint_add(hash, numbers, sizeof numbers);
     hash = air_fingerprint_add(hash, &p->filter_radius, sizeof p->filter_radius);
+    if (p->area_table != NULL) {
+        hash = air_fingerprint_add(hash, p->area_table->knots, sizeof p->area_table->knots);
+    }
     return air_fingerprint_add(hash, p->methods, strlen(p->methods));
 }
 
-static void add_light_slot(air_picture *picture, const char *name, bool ratio)
+static void add_light_slot(air_picture *picture, const char *name, air_slot_kind kind)
 {
-    air_film_layout_add(&picture->layout, ratio ? AIR_SLOT_RATIO : AIR_SLOT_TERM, name,
-                        ratio ? 12 : 3);
+    air_film_layout_add(&picture->layout, kind, name,
+                        kind == AIR_SLOT_TERM    ? 3
+                        : kind == AIR_SLOT_RATIO ? 12
+                                                 : 13);
+}
+
+/* How a term is kept: where lamps are shaded by their visible share, that share is smoothed. */
+static air_slot_kind term_slot(const air_picture *picture, uint32_t term)
+{
+    const bool smooth = air_with_arealight_is_ratio(picture->arealight);
+    if (smooth && (term == AIR_TERM_S0 || term == AIR_TERM_M1)) {
+        return AIR_SLOT_SHARE;
+    }
+    return term == AIR_TERM_M1 && air_with_collimated_is_ratio(picture->collimated) ? AIR_SLOT_RATIO
+                                                                                    : AIR_SLOT_TERM;
 }
 
 static void make_layout(air_picture *picture)
 {
     const air_render_params *p = picture->params;
+    const bool smooth = air_with_arealight_is_ratio(picture->arealight);
+    picture->apart = p->layers || smooth;
+    picture->guides = picture->path.settings.guides = p->guides || smooth;
     memset(&picture->layout, 0, sizeof picture->layout);
-    if (!p->layers) {
-        add_light_slot(picture, "beauty", air_with_collimated_is_ratio(picture->collimated));
+    if (!picture->apart) {
+        add_light_slot(picture, "beauty",
+                       air_with_collimated_is_ratio(picture->collimated) ? AIR_SLOT_RATIO
+                                                                         : AIR_SLOT_TERM);
     }
-    for (uint32_t t = 0; p->layers && t < AIR_TERM_COUNT; t++) {
+    for (uint32_t t = 0; picture->apart && t < AIR_TERM_COUNT; t++) {
         if ((p->terms >> t) & 1u) {
-            add_light_slot(picture, air_term_name((air_term)t),
-                           t == AIR_TERM_M1 && air_with_collimated_is_ratio(picture->collimated));
+            add_light_slot(picture, air_term_name((air_term)t), term_slot(picture, t));
         }
     }
-    if (p->guides) {
+    if (picture->guides) {
         air_film_layout_add(&picture->layout, AIR_SLOT_GUIDE, "albedo", 3);
         air_film_layout_add(&picture->layout, AIR_SLOT_GUIDE, "normal", 3);
         air_film_layout_add(&picture->layout, AIR_SLOT_GUIDE, "depth", 1);
@@ -168,12 +191,17 @@ air_status air_picture_init(air_picture *picture, air_context *context,
         status = air_with_collimated_create(&picture->path, picture->owners, &picture->view,
                                             params->terms, &picture->collimated);
     }
+    if (status == AIR_OK) {
+        status =
+            air_with_arealight_create(&picture->path, picture->owners, params, &picture->arealight);
+    }
     make_layout(picture);
     return status;
 }
 
 void air_picture_finish(air_picture *picture)
 {
+    air_with_arealight_destroy(picture->arealight);
     air_with_collimated_destroy(picture->collimated);
     air_path_finish(&picture->path);
     air_owner_table_destroy(picture->owners);

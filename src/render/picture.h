@@ -6,6 +6,7 @@
 #include "image/film.h"
 #include "path/path.h"
 #include "render/owner.h"
+#include "render/with_arealight.h"
 #include "render/with_collimated.h"
 #include "scene/camera.h"
 
@@ -22,6 +23,9 @@ typedef struct air_picture {
     air_owner_table *owners;
     uint8_t *wanted;
     air_with_collimated *collimated; /* NULL: that method owns nothing */
+    air_with_arealight *arealight;   /* likewise */
+    bool apart;                      /* a slot for each term; else one for all */
+    bool guides;                     /* slots for them */
     air_blue_noise *blue_noise;      /* NULL for other patterns */
     float *gaussian; /* inverse distribution function, AIR_GAUSSIAN_TABLE + 1 values in pixels; NULL
                         for other filters */

@@ -25,8 +25,31 @@ void air_render_params_default(air_render_params *params)
     params->filter = AIR_FILTER_BOX;
     params->filter_radius = air_filter_radius_default(AIR_FILTER_BOX);
     params->pattern = AIR_PATTERN_STRATIFIED;
+    params->area_rule = AIR_AREA_EQUIANGULAR;
+    params->area_nodes = 8;
+    params->shadow_samples = 1;
+    params->shadow_candidates = 8;
     params->time_limit_s = INFINITY;
     params->tile_size = 32;
+}
+
+static air_status check_area(air_context *context, const air_render_params *p)
+{
+    if (p->area_rule < AIR_AREA_RIEMANN || p->area_rule > AIR_AREA_EQUIANGULAR) {
+        return air_fail(context, AIR_ERROR_ARGUMENT, "quadrature %d is not known", p->area_rule);
+    }
+    if (p->area_nodes < 1 || p->area_nodes > AIR_AREA_MAX_NODES) {
+        return air_fail(context, AIR_ERROR_ARGUMENT, "%u nodes along a ray: expected 1 to %d",
+                        p->area_nodes, (int)AIR_AREA_MAX_NODES);
+    }
+    if (p->shadow_samples > AIR_AREA_MAX_DRAWS || p->shadow_candidates < 1 ||
+        p->shadow_candidates > AIR_AREA_MAX_DRAWS) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "%u shadow samples of %u candidates each: expected at most %d, and 1 to %d",
+                        p->shadow_samples, p->shadow_candidates, (int)AIR_AREA_MAX_DRAWS,
+                        (int)AIR_AREA_MAX_DRAWS);
+    }
+    return AIR_OK;
 }
 
 static air_status check_size(air_context *context, const air_render_params *p)
@@ -78,6 +101,7 @@ static air_status check(air_context *context, const air_snapshot *snapshot,
 {
     air_status status = check_size(context, p);
     status = status == AIR_OK ? check_samples(context, p) : status;
+    status = status == AIR_OK ? check_area(context, p) : status;
     if (status != AIR_OK) {
         return status;
     }

@@ -6,6 +6,7 @@
 
 #include "render/collimated_moments.h"
 #include "render/collimated_state.h"
+#include "render/method.h"
 #include "render/owner.h"
 #include "scene/shadows.h"
 
@@ -14,30 +15,6 @@
 static const char *const mode_names[AIR_COLLIMATED_MODE_COUNT] = {
     "exact", "rm", "ds", "wvds", "rees", "reds", "me", "me6", "me-ideal", "me6-ideal"};
 
-const char *air_collimated_mode_name(air_collimated_mode mode)
-{
-    return (unsigned)mode < AIR_COLLIMATED_MODE_COUNT ? mode_names[mode] : "unknown";
-}
-
-bool air_collimated_mode_parse(const char *text, size_t length, air_collimated_mode *out)
-{
-    for (int i = 0; i < AIR_COLLIMATED_MODE_COUNT; i++) {
-        if (strlen(mode_names[i]) == length && strncmp(mode_names[i], text, length) == 0) {
-            *out = (air_collimated_mode)i;
-            return true;
-        }
-    }
-    return false;
-}
-
-void air_collimated_mode_list(char out[AIR_COLLIMATED_MODE_LIST])
-{
-    out[0] = '\0';
-    for (int i = 0; i < AIR_COLLIMATED_MODE_COUNT; i++) {
-        strcat(strcat(out, i > 0 ? ", " : ""), mode_names[i]);
-    }
-}
-
 /* ---- where it applies ---- */
 
 static const air_medium *medium_of(const air_snapshot *snapshot, const air_region *region)
@@ -45,50 +22,51 @@ static const air_medium *medium_of(const air_snapshot *snapshot, const air_regio
     return &snapshot->media.media[region->medium];
 }
 
-static bool media_apply(const air_snapshot *snapshot, char reason[AIR_COLLIMATED_REASON])
+static bool media_apply(const air_snapshot *snapshot, char reason[AIR_METHOD_REASON])
 {
     const air_media *media = &snapshot->media;
     if (media->region_count == 0) {
-        snprintf(reason, AIR_COLLIMATED_REASON, "there is no medium");
+        snprintf(reason, AIR_METHOD_REASON, "there is no medium");
         return false;
     }
     for (size_t r = 0; r < media->region_count; r++) {
         const char *name = medium_of(snapshot, &media->regions[r])->name;
         if (media->regions[r].kind == AIR_REGION_MESH) {
-            snprintf(reason, AIR_COLLIMATED_REASON, "medium \"%.60s\" is not convex", name);
+            snprintf(reason, AIR_METHOD_REASON, "medium \"%.60s\" is not convex", name);
             return false;
         }
         if (!media->regions[r].constant) {
-            snprintf(reason, AIR_COLLIMATED_REASON, "medium \"%.60s\" is not of constant density",
+            snprintf(reason, AIR_METHOD_REASON, "medium \"%.60s\" is not of constant density",
                      name);
             return false;
         }
     }
     if (media->any_replace && media->region_count > 1) {
-        snprintf(reason, AIR_COLLIMATED_REASON,
-                 "a medium replaces others instead of adding to them");
+        snprintf(reason, AIR_METHOD_REASON, "a medium replaces others instead of adding to them");
         return false;
     }
     return true;
 }
 
-bool air_collimated_applies(const air_snapshot *snapshot, size_t light,
-                            char reason[AIR_COLLIMATED_REASON])
+static bool applies(const air_snapshot *snapshot, size_t light, char reason[AIR_METHOD_REASON])
 {
     if (light >= snapshot->lights.explicit_count ||
         snapshot->lights.entries[light].kind != AIR_LIGHT_COLLIMATED) {
-        snprintf(reason, AIR_COLLIMATED_REASON, "its light does not come along one direction");
+        snprintf(reason, AIR_METHOD_REASON, "its light does not come along one direction");
         return false;
     }
     if (!media_apply(snapshot, reason)) {
         return false;
     }
     if (!air_shadows_end(snapshot, light)) {
-        snprintf(reason, AIR_COLLIMATED_REASON, "a medium has no end away from the light");
+        snprintf(reason, AIR_METHOD_REASON, "a medium has no end away from the light");
         return false;
     }
     return true;
 }
+
+const air_method_kind air_collimated_method = {"collimated", mode_names, AIR_COLLIMATED_MODE_COUNT,
+                                               applies};
 
 /* ---- cells ---- */
 

@@ -4,6 +4,7 @@
 
 #include "airlight/collimated.h"
 #include "path/path.h"
+#include "render/ratio.h"
 #include "scene/camera.h"
 
 struct air_owner_table;
@@ -24,23 +25,6 @@ typedef enum air_collimated_mode {
     AIR_COLLIMATED_MODE_ME6_IDEAL = 9,
     AIR_COLLIMATED_MODE_COUNT = 10
 } air_collimated_mode;
-
-const char *air_collimated_mode_name(air_collimated_mode mode);
-bool air_collimated_mode_parse(const char *text, size_t length, air_collimated_mode *out);
-/* All names, for messages: at most 10 characters each, with the comma. */
-enum { AIR_COLLIMATED_MODE_LIST = 12 * AIR_COLLIMATED_MODE_COUNT };
-void air_collimated_mode_list(char out[AIR_COLLIMATED_MODE_LIST]);
-
-enum { AIR_COLLIMATED_REASON = 160 };
-
-/* Can the method own S0 and M1 of this light? If not, reason says why. */
-bool air_collimated_applies(const air_snapshot *snapshot, size_t light,
-                            char reason[AIR_COLLIMATED_REASON]);
-
-/* Of one sample, where a mode keeps three sums (air_collimated_draw). */
-typedef struct air_ratio_sample {
-    air_vec3 analytic, unoccluded, occluded;
-} air_ratio_sample;
 
 typedef struct air_with_collimated air_with_collimated;
 typedef struct air_collimated_scratch air_collimated_scratch; /* one per worker */
@@ -75,6 +59,6 @@ void air_collimated_scratch_destroy(const air_with_collimated *with,
 
 /* Adds to the terms of traced lanes; ratios[0..count) are overwritten. */
 void air_with_collimated_add(const air_with_collimated *with, air_collimated_scratch *scratch,
-                             air_path_lane *lanes, air_ratio_sample *ratios, size_t count);
+                             air_path_lane *lanes, air_lane_ratios *ratios, size_t count);
 
 #endif
