@@ -2,6 +2,7 @@
 #ifndef AIRLIGHT_H
 #define AIRLIGHT_H
 
+#include "airlight/area_ltc.h"
 #include "airlight/area_table.h"
 #include "airlight/arealight.h"
 #include "airlight/arealight_eval.h"
