@@ -1,4 +1,6 @@
 /* The arealight method in pictures: who owns what, and that its light is path's. */
+#include <math.h>
+
 #include "picture_fixture.h"
 #include "sun_scene.h"
 
@@ -91,10 +93,80 @@ static void every_exact_mode_has_the_expectation_of_path(void **state)
     air_context_destroy(context);
 }
 
+/* Haze from nearly none to nearly solid, every mode and rule, smoothed or not. */
+static void nothing_is_ever_not_finite(void **state)
+{
+    static const float sigmas[] = {1e-6f, 1.0f, 1e3f};
+    static const char *const modes[] = {"arealight", "arealight:mix", "arealight:ltsd",
+                                        "arealight:volume-ris"};
+    messages m;
+    air_context *context = make_context(2, &m);
+    (void)state;
+    for (int n = 0; n < 3 * 4 * 2; n++) {
+        sun_scene s = lamp_scene(n % 2 == 0 ? 3 : 2);
+        air_snapshot *snapshot;
+        air_film *film;
+        air_image *image;
+        room_set3(s.sigma_s, sigmas[n % 3], sigmas[(n + 1) % 3], sigmas[n % 3]);
+        assert_int_equal(sun_scene_make(context, &s, &snapshot), AIR_OK);
+        air_render_params params = picture(modes[n / 6], 2);
+        params.area_rule = (air_area_rule)(n % 4);
+        params.shadow_samples = (uint32_t)(n % 3);
+        assert_int_equal(air_render(context, snapshot, &params, &film), AIR_OK);
+        assert_int_equal(air_film_resolve(film, NULL, &image), AIR_OK);
+        for (size_t c = 0; c < air_image_channel_count(image); c++) {
+            for (size_t p = 0; p < WIDTH * HEIGHT; p++) {
+                assert_true(isfinite(air_image_plane(image, c)[p]));
+            }
+        }
+        air_image_destroy(image);
+        air_film_destroy(film);
+        air_snapshot_release(snapshot);
+    }
+    air_context_destroy(context);
+}
+
+/* Films of parts are the film of the whole, and tiles and threads change nothing. */
+static void splits_and_threads_change_no_byte(void **state)
+{
+    (void)state;
+    const sun_scene s = lamp_scene(4);
+    float first[WIDTH * HEIGHT];
+    for (size_t threads = 1; threads <= 3; threads++) {
+        air_context *context = make_context(threads, NULL);
+        air_snapshot *snapshot;
+        air_film *film, *rest;
+        air_image *image;
+        assert_int_equal(sun_scene_make(context, &s, &snapshot), AIR_OK);
+        air_render_params params = picture("arealight", 32);
+        params.tile_size = 5 * threads;
+        params.sample_end = threads == 1 ? 32 : 16;
+        assert_int_equal(air_render(context, snapshot, &params, &film), AIR_OK);
+        if (threads > 1) {
+            params.sample_begin = 16;
+            params.sample_end = 32;
+            assert_int_equal(air_render(context, snapshot, &params, &rest), AIR_OK);
+            assert_int_equal(air_film_merge(film, rest), AIR_OK);
+            air_film_destroy(rest);
+        }
+        assert_int_equal(air_film_resolve(film, NULL, &image), AIR_OK);
+        if (threads == 1) {
+            memcpy(first, air_image_plane(image, 0), sizeof first);
+        }
+        assert_memory_equal(air_image_plane(image, 0), first, sizeof first);
+        air_image_destroy(image);
+        air_film_destroy(film);
+        air_snapshot_release(snapshot);
+        air_context_destroy(context);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(owners_are_as_asked_for),
+        cmocka_unit_test(nothing_is_ever_not_finite),
+        cmocka_unit_test(splits_and_threads_change_no_byte),
         cmocka_unit_test(every_exact_mode_has_the_expectation_of_path),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -5,8 +5,6 @@
 #include "airlight/arealight_eval.h"
 #include "render/with_arealight.h"
 
-enum { AREA_FEW = 3, AREA_MANY = 8 }; /* cubature points across a lamp: from afar, and near it */
-
 /* Points of a lamp with weights that sum to its area. */
 typedef struct area_cubature {
     size_t count;

@@ -115,9 +115,13 @@ static air_status add_lamp(air_with_arealight *with, const air_light *light, air
     lamp->mode = mode;
     lamp->casts_shadow = light->casts_shadow;
     make_fan(lamp);
-    air_status status = make_cubature(with->context, &lamp->shape, AREA_FEW, &lamp->few);
-    return status == AIR_OK ? make_cubature(with->context, &lamp->shape, AREA_MANY, &lamp->many)
-                            : status;
+    /* Points across the lamp from afar, and near it; a polygon of more corners has them in each
+     * triangle of a fan. */
+    const bool simple = count <= 4;
+    air_status status = make_cubature(with->context, &lamp->shape, simple ? 3 : 2, &lamp->few);
+    return status == AIR_OK
+               ? make_cubature(with->context, &lamp->shape, simple ? 8 : 4, &lamp->many)
+               : status;
 }
 
 /* Convex polygons stay whole, others come as the triangles they were cut into. */
