@@ -320,7 +320,7 @@ air_vec3 air_area_surface_light(const air_with_arealight *with, air_area_scratch
         return vec3_set1(0.0f);
     }
     const double(*seen)[3] = (const double(*)[3])polygon;
-    const air_vec3 reflected = air_area_reflect(&surface->bsdf, wo, seen, lamp->shape.vertex_count);
+    const air_vec3 reflected = air_area_reflect(&surface->bsdf, seen, lamp->shape.vertex_count);
     if (vec3_is_zero(reflected)) {
         return reflected;
     }

@@ -83,9 +83,8 @@ air_vec3 air_area_volume_light(const air_with_arealight *with, air_area_scratch 
 air_vec3 air_area_surface_light(const air_with_arealight *with, air_area_scratch *scratch,
                                 const area_lamp *lamp, const air_surface *surface, air_vec3 wo);
 
-/* The integral of f cos over a polygon seen from the surface; wo towards the camera. */
-air_vec3 air_area_reflect(const air_bsdf *bsdf, air_vec3 wo, const double (*polygon)[3],
-                          size_t count);
+/* The integral of f cos over a polygon seen from a surface that reflects evenly. */
+air_vec3 air_area_reflect(const air_bsdf *bsdf, const double (*polygon)[3], size_t count);
 
 /* Transmittance of the media between two points. */
 air_vec3 air_area_transmittance(const air_with_arealight *with, const double from[3],

@@ -138,19 +138,6 @@ void air_bsdf_make(const air_bsdf_input *input, air_bsdf *out)
 
 /* ---- evaluation ---- */
 
-/* The base and the light between facets, without the cosine. */
-static air_vec3 smooth_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
-{
-    const air_ggx_albedo at_o =
-        air_ggx_albedo_at(float_min(wo.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
-    const air_ggx_albedo at_i =
-        air_ggx_albedo_at(float_min(wi.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
-    const float multiple = bsdf->multiple_scale * (at_o.loss * at_i.loss);
-    const air_vec3 base =
-        vec3_mul(bsdf->diffuse_scale, vec3_mul(left_to_base(bsdf, at_o), left_to_base(bsdf, at_i)));
-    return vec3_madd(base, multiple, bsdf->multiple);
-}
-
 /* f |cos(wi)|, both directions above the shading surface. */
 static air_vec3 eval_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
 {
@@ -162,7 +149,15 @@ static air_vec3 eval_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
     const float single =
         0.5f * ggx_distribution(h, bsdf->alpha) /
         (wi.z * smith_length(wo, bsdf->alpha) + wo.z * smith_length(wi, bsdf->alpha));
-    return vec3_scale(vec3_madd(smooth_local(bsdf, wo, wi), single, fresnel), wi.z);
+    const air_ggx_albedo at_o =
+        air_ggx_albedo_at(float_min(wo.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
+    const air_ggx_albedo at_i =
+        air_ggx_albedo_at(float_min(wi.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
+    const float multiple = bsdf->multiple_scale * (at_o.loss * at_i.loss);
+    const air_vec3 base =
+        vec3_mul(bsdf->diffuse_scale, vec3_mul(left_to_base(bsdf, at_o), left_to_base(bsdf, at_i)));
+    const air_vec3 f = vec3_madd(vec3_madd(base, single, fresnel), multiple, bsdf->multiple);
+    return vec3_scale(f, wi.z);
 }
 
 static float pdf_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
@@ -189,27 +184,6 @@ air_vec3 air_bsdf_eval(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
         return vec3_scale(bsdf->diffuse, vec3_dot(wi, bsdf->frame.n) * INVERSE_PI);
     }
     return eval_local(bsdf, frame_to_local(&bsdf->frame, wo), frame_to_local(&bsdf->frame, wi));
-}
-
-air_vec3 air_bsdf_eval_smooth(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
-{
-    if (!above(bsdf, wo) || !above(bsdf, wi)) {
-        return vec3_set1(0.0f);
-    }
-    return bsdf->f90 == 0.0f ? vec3_scale(bsdf->diffuse, INVERSE_PI)
-                             : smooth_local(bsdf, frame_to_local(&bsdf->frame, wo),
-                                            frame_to_local(&bsdf->frame, wi));
-}
-
-air_vec3 air_bsdf_lobe_albedo(const air_bsdf *bsdf, air_vec3 wo)
-{
-    const float cos_o = clamp01(vec3_dot(wo, bsdf->frame.n));
-    if (bsdf->f90 == 0.0f) {
-        return vec3_set1(0.0f);
-    }
-    const air_ggx_albedo table = air_ggx_albedo_at(cos_o, bsdf->alpha, bsdf->alpha_axis);
-    const air_vec3 rise = vec3_sub(vec3_set1(bsdf->f90), bsdf->f0);
-    return vec3_madd(vec3_scale(bsdf->f0, 1.0f - table.loss), table.fresnel, rise);
 }
 
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)

@@ -43,10 +43,6 @@ void air_bsdf_make(const air_bsdf_input *input, air_bsdf *out);
 /* f(wo, wi) |cos(wi, n)| with the shading normal; 0 if wi or wo is below the geometric or the
  * shading surface. */
 air_vec3 air_bsdf_eval(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
-/* The same without the GGX lobe and without the cosine: what varies slowly with wi. */
-air_vec3 air_bsdf_eval_smooth(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
-/* The integral of the GGX lobe times the cosine over wi. */
-air_vec3 air_bsdf_lobe_albedo(const air_bsdf *bsdf, air_vec3 wo);
 /* Density of air_bsdf_sample per solid angle. */
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
 /* u: three numbers in [0,1). Returns false if nothing is reflected; *out_weight = f cos / pdf. */
