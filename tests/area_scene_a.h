@@ -182,7 +182,7 @@ static inline scene_place scene_place_at(const area_scene *scene, const double p
 {
     scene_place out = {.scene = scene, .point = point, .wo = wo};
     air_gauss_legendre(LEAF, out.x, out.w);
-    out.smallness = fabs(scene->g) > 0.7 && wo != NULL ? 0.2 : 0.6;
+    out.smallness = fabs(scene->g) > 0.7 && wo != NULL ? 0.1 : 0.6;
     return out;
 }
 
