@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "airlight/airlight.h"
-#include "collimated/vector.h"
+#include "core/triple.h"
 #include "scene/snapshot.h"
 
 /* Settings as published with the method; +Y up, directions of any length. */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "airlight/shadow.h"
-#include "collimated/vector.h"
+#include "core/triple.h"
 
 /* The set of points under a triangle: n.x <= h for each of its planes. */
 typedef struct shadow_wedge {

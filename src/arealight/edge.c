@@ -29,23 +29,23 @@ typedef struct arc {
 static bool arc_make(const double axis[3], const double from[3], const double way[3], arc *out)
 {
     double normal[3];
-    air_area_cross(from, way, normal);
-    out->normal_length = air_area_length(normal);
+    air_cross3(from, way, normal);
+    out->normal_length = air_length3(normal);
     if (!(out->normal_length > 0.0)) {
         return false;
     }
     for (int i = 0; i < 3; i++) {
         normal[i] /= out->normal_length;
     }
-    out->h = air_area_dot(axis, normal);
-    air_area_along(axis, -out->h, normal, out->top);
-    out->c0 = air_area_length(out->top);
+    out->h = air_dot3(axis, normal);
+    air_along3(axis, -out->h, normal, out->top);
+    out->c0 = air_length3(out->top);
     if (out->c0 >= least_c0) {
         for (int i = 0; i < 3; i++) {
             out->top[i] /= out->c0;
         }
     }
-    air_area_cross(normal, out->top, out->across);
+    air_cross3(normal, out->top, out->across);
     return true;
 }
 
@@ -58,8 +58,8 @@ static double horizon_part(const phase_rule *rule, const arc *edge, const double
         near ? air_edge_near(rule->gamma, 0.0, r) : air_edge_far(rule->gamma, 0.0, r);
     const double slope =
         near ? air_edge_near_slope(rule->gamma, r) : air_edge_far_slope(rule->gamma, r);
-    const double integral_c = air_area_dot(edge->across, to) / air_area_length(to) -
-                              air_area_dot(edge->across, from) / air_area_length(from);
+    const double integral_c = air_dot3(edge->across, to) / air_length3(to) -
+                              air_dot3(edge->across, from) / air_length3(from);
     return value * (length + slope * integral_c);
 }
 
@@ -103,16 +103,16 @@ static double plain_part(const phase_rule *rule, const arc *edge, double u0, dou
 static double part(const phase_rule *rule, const arc *edge, const double from[3],
                    const double to[3], double share, bool near)
 {
-    const double length = atan2(share * edge->normal_length, air_area_dot(from, to));
+    const double length = atan2(share * edge->normal_length, air_dot3(from, to));
     if (edge->c0 < least_c0) {
         return edge->h * horizon_part(rule, edge, from, to, length, near);
     }
-    const double x0 = air_area_dot(from, edge->top), y0 = air_area_dot(from, edge->across);
+    const double x0 = air_dot3(from, edge->top), y0 = air_dot3(from, edge->across);
     if (near) {
         const double square = air_edge_least_square(rule->gamma, edge->c0, edge->h);
         const double kappa = air_edge_kappa(rule->gamma, edge->c0, square);
         if (length > 2.0 * kappa) {
-            const double x1 = air_area_dot(to, edge->top), y1 = air_area_dot(to, edge->across);
+            const double x1 = air_dot3(to, edge->top), y1 = air_dot3(to, edge->across);
             return edge->h * stretched_part(rule, edge, sqrt(square), kappa,
                                             asinh(sine_of_half(x0, y0) / kappa),
                                             asinh(sine_of_half(x1, y1) / kappa));
@@ -125,17 +125,17 @@ static double part(const phase_rule *rule, const arc *edge, const double from[3]
 static double edge_integral(const phase_rule *rule, const double a[3], const double b[3],
                             air_horizon *horizon)
 {
-    const double up_a = air_area_dot(rule->axis, a), up_b = air_area_dot(rule->axis, b);
+    const double up_a = air_dot3(rule->axis, a), up_b = air_dot3(rule->axis, b);
     const bool near_a = up_a > 0.0, near_b = up_b > 0.0;
     double way[3], point[3];
     arc edge;
-    air_area_subtract(b, a, way);
+    air_subtract3(b, a, way);
     const bool some = arc_make(rule->axis, a, way, &edge);
     if (near_a == near_b) {
         return some ? part(rule, &edge, a, b, 1.0, near_a) : 0.0;
     }
     const double share = air_horizon_share(up_a, up_b);
-    air_area_along(a, share, way, point);
+    air_along3(a, share, way, point);
     air_horizon_pass(horizon, rule->axis, a, way, share, near_b);
     return some ? part(rule, &edge, a, point, share, near_a) +
                       part(rule, &edge, point, b, 1.0 - share, near_b)

@@ -17,37 +17,25 @@
 #include <string.h>
 
 #include "arealight/eval.h"
+#include "core/triple.h"
 
 typedef const double (*polygon)[3];
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double length(const double a[3]) { return sqrt(dot(a, a)); }
 
 /* a.(b x c), of b and c the difference, which keeps digits where they are close. */
 static double triple(const double a[3], const double b[3], const double c[3])
 {
     const double edge[3] = {c[0] - b[0], c[1] - b[1], c[2] - b[2]};
     double normal[3];
-    cross(b, edge, normal);
-    return dot(a, normal);
+    air_cross3(b, edge, normal);
+    return air_dot3(a, normal);
 }
 
 /* Half the signed solid angle of the triangle of these directions, of any lengths. */
 static double half_solid_angle(const double a[3], const double b[3], const double c[3])
 {
-    const double x = length(a), y = length(b), z = length(c);
-    return atan2(triple(a, b, c), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y);
+    const double x = air_length3(a), y = air_length3(b), z = air_length3(c);
+    return atan2(triple(a, b, c),
+                 x * y * z + air_dot3(a, b) * z + air_dot3(b, c) * x + air_dot3(c, a) * y);
 }
 
 /* The fan's apex is the foot of the point, or above it: no triangle has opposite corners, except on
@@ -74,16 +62,16 @@ static bool arc_make(double gamma, const double a[3], const double v0[3], const 
 {
     const double edge[3] = {v1[0] - v0[0], v1[1] - v0[1], v1[2] - v0[2]};
     double n[3];
-    cross(v0, edge, n);
-    const double size = length(n), lengths = length(v0) * length(v1);
+    air_cross3(v0, edge, n);
+    const double size = air_length3(n), lengths = air_length3(v0) * air_length3(v1);
     if (!(size > DBL_MIN)) {
         return false;
     }
-    const double sine = size / lengths, cosine = dot(v0, v1) / lengths;
+    const double sine = size / lengths, cosine = air_dot3(v0, v1) / lengths;
     const double angle = atan2(sine, cosine), sm = sin(0.5 * angle), cm = cos(0.5 * angle);
-    const double z0 = dot(a, v0) / length(v0), z1 = dot(a, v1) / length(v1);
+    const double z0 = air_dot3(a, v0) / air_length3(v0), z1 = air_dot3(a, v1) / air_length3(v1);
     const double middle = (z0 + z1) / (2.0 * cm), along = (z1 - z0) / (2.0 * sm);
-    const double g2 = gamma * gamma, h = dot(a, n) / size;
+    const double g2 = gamma * gamma, h = air_dot3(a, n) / size;
     const double d = sqrt((1.0 - g2) * (1.0 - g2) + 4.0 * g2 * h * h);
     /* r0 r1 times the cosine and sine of theta's half. */
     const double x = (1.0 + g2) * cm - 2.0 * gamma * middle, y = d * sm, rr = sqrt(x * x + y * y);
@@ -135,7 +123,7 @@ static size_t cut(polygon p, size_t count, const double k[3], double (*out)[3])
     size_t kept = 0;
     for (size_t i = 0; i < count; i++) {
         const double *v0 = p[i], *v1 = p[(i + 1) % count];
-        const double z0 = dot(k, v0), z1 = dot(k, v1);
+        const double z0 = air_dot3(k, v0), z1 = air_dot3(k, v1);
         if (z0 >= 0.0) {
             memcpy(out[kept++], v0, sizeof *out);
         }
@@ -156,7 +144,7 @@ static double half_lobe(polygon p, size_t count, const double k[3], double s, do
     double v[AIR_AREA_MAX_VERTICES + 2][3], irradiance = 0.0;
     const size_t kept = cut(p, count, k, v);
     for (size_t i = 0; i < kept; i++) {
-        const double lift = (1.0 / s - 1.0) * dot(k, v[i]);
+        const double lift = (1.0 / s - 1.0) * air_dot3(k, v[i]);
         for (int j = 0; j < 3; j++) {
             v[i][j] += lift * k[j];
         }
@@ -165,9 +153,9 @@ static double half_lobe(polygon p, size_t count, const double k[3], double s, do
         const double *v0 = v[i], *v1 = v[(i + 1) % kept];
         const double edge[3] = {v1[0] - v0[0], v1[1] - v0[1], v1[2] - v0[2]};
         double n[3];
-        cross(v0, edge, n);
-        const double size = length(n);
-        irradiance += size > DBL_MIN ? atan2(size, dot(v0, v1)) * dot(k, n) / size : 0.0;
+        air_cross3(v0, edge, n);
+        const double size = air_length3(n);
+        irradiance += size > DBL_MIN ? atan2(size, air_dot3(v0, v1)) * air_dot3(k, n) / size : 0.0;
     }
     const double pi = acos(-1.0);
     return ((1.0 - w) * fabs(solid_angle((polygon)v, kept, k)) + w * fabs(irradiance)) / (2.0 * pi);
@@ -192,7 +180,7 @@ static double eval_point(const air_area_plan *plan, const double position[3], co
             p[i][j] = lamp->vertices[i][j] - position[j];
         }
     }
-    const double height = dot(lamp->normal, p[0]); /* of the plane over the point */
+    const double height = air_dot3(lamp->normal, p[0]); /* of the plane over the point */
     if (!(lamp->two_sided || height < 0.0)) {
         return 0.0;
     }

@@ -1,7 +1,7 @@
 /* lamp.c: checked lamps, their vertices seen from a point, points on them. */
 #include "arealight/gauss.h"
-#include "arealight/vector.h"
 #include "core/host.h"
+#include "core/triple.h"
 #include "core/vec.h"
 
 #include "airlight/arealight.h"
@@ -19,8 +19,8 @@ static const double straight = 1e-9;
 static void corner(const double (*vertices)[3], size_t count, size_t k, double into[3],
                    double out_of[3])
 {
-    air_area_subtract(vertices[k], vertices[k > 0 ? k - 1 : count - 1], into);
-    air_area_subtract(vertices[k + 1 < count ? k + 1 : 0], vertices[k], out_of);
+    air_subtract3(vertices[k], vertices[k > 0 ? k - 1 : count - 1], into);
+    air_subtract3(vertices[k + 1 < count ? k + 1 : 0], vertices[k], out_of);
 }
 
 static air_status check_numbers(air_context *context, const double (*vertices)[3], size_t count,
@@ -33,12 +33,12 @@ static air_status check_numbers(air_context *context, const double (*vertices)[3
     }
     for (size_t k = 0; k < count; k++) {
         double way[3];
-        if (!air_area_finite(vertices[k])) {
+        if (!air_finite3(vertices[k])) {
             return air_fail(context, AIR_ERROR_ARGUMENT,
                             "area lamp: vertex %zu: (%g, %g, %g) is not finite", k, vertices[k][0],
                             vertices[k][1], vertices[k][2]);
         }
-        air_area_subtract(vertices[k], vertices[0], way);
+        air_subtract3(vertices[k], vertices[0], way);
         size = fmax(size, fmax(fabs(way[0]), fmax(fabs(way[1]), fabs(way[2]))));
     }
     if (!(size > smallest_size && size < largest_size)) {
@@ -59,12 +59,12 @@ static air_status measure(air_context *context, double size, air_area_lamp *lamp
     const double *first = lamp->vertices[0];
     for (size_t k = 1; k + 1 < lamp->vertex_count; k++) {
         double a[3], b[3];
-        air_area_subtract(lamp->vertices[k], first, a);
-        air_area_subtract(lamp->vertices[k + 1], first, b);
-        air_area_cross(a, b, parts[k]);
-        air_area_along(sum, 0.5, parts[k], sum);
+        air_subtract3(lamp->vertices[k], first, a);
+        air_subtract3(lamp->vertices[k + 1], first, b);
+        air_cross3(a, b, parts[k]);
+        air_along3(sum, 0.5, parts[k], sum);
     }
-    lamp->area = air_area_length(sum);
+    lamp->area = air_length3(sum);
     if (!(lamp->area > least_width * size * size)) {
         return air_fail(context, AIR_ERROR_ARGUMENT, "area lamp: vertices 0 to %zu enclose no area",
                         lamp->vertex_count - 1);
@@ -73,14 +73,14 @@ static air_status measure(air_context *context, double size, air_area_lamp *lamp
         lamp->normal[i] = sum[i] / lamp->area;
     }
     for (size_t k = 1; k + 1 < lamp->vertex_count; k++) {
-        const double share = 0.5 * air_area_dot(parts[k], lamp->normal) / lamp->area;
+        const double share = 0.5 * air_dot3(parts[k], lamp->normal) / lamp->area;
         for (int i = 0; i < 3; i++) {
             moment[i] +=
                 share / 3.0 *
                 ((lamp->vertices[k][i] - first[i]) + (lamp->vertices[k + 1][i] - first[i]));
         }
     }
-    air_area_along(first, 1.0, moment, lamp->centre);
+    air_along3(first, 1.0, moment, lamp->centre);
     return AIR_OK;
 }
 
@@ -88,8 +88,8 @@ static air_status check_plane(air_context *context, const air_area_lamp *lamp, d
 {
     for (size_t k = 0; k < lamp->vertex_count; k++) {
         double way[3];
-        air_area_subtract(lamp->vertices[k], lamp->centre, way);
-        const double height = fabs(air_area_dot(way, lamp->normal));
+        air_subtract3(lamp->vertices[k], lamp->centre, way);
+        const double height = fabs(air_dot3(way, lamp->normal));
         if (!(height <= flatness * size)) {
             return air_fail(context, AIR_ERROR_ARGUMENT,
                             "area lamp: vertex %zu: %g m out of plane, must be at most %g", k,
@@ -106,9 +106,9 @@ static air_status check_corners(air_context *context, const air_area_lamp *lamp)
     for (size_t k = 0; k < lamp->vertex_count; k++) {
         double into[3], out_of[3], normal[3];
         corner(lamp->vertices, lamp->vertex_count, k, into, out_of);
-        air_area_cross(into, out_of, normal);
-        const double lengths = air_area_length(into) * air_area_length(out_of);
-        const double left = air_area_dot(normal, lamp->normal), on = air_area_dot(into, out_of);
+        air_cross3(into, out_of, normal);
+        const double lengths = air_length3(into) * air_length3(out_of);
+        const double left = air_dot3(normal, lamp->normal), on = air_dot3(into, out_of);
         if (!(lengths > 0.0)) {
             return air_fail(context, AIR_ERROR_ARGUMENT,
                             "area lamp: vertex %zu: is the same as a neighbour", k);
@@ -136,7 +136,7 @@ air_status air_area_lamp_make(air_context *context, const double (*vertices)[3],
     }
     air_area_lamp lamp = {.vertex_count = vertex_count, .two_sided = two_sided};
     for (size_t k = 0; k < vertex_count; k++) {
-        air_area_copy(vertices[k], lamp.vertices[k]);
+        air_copy3(vertices[k], lamp.vertices[k]);
     }
     status = measure(context, size, &lamp);
     if (status == AIR_OK) {
@@ -154,11 +154,11 @@ air_status air_area_lamp_make(air_context *context, const double (*vertices)[3],
 bool air_area_lamp_seen_from(const air_area_lamp *lamp, const double point[3], double (*out)[3])
 {
     double from_centre[3];
-    air_area_subtract(point, lamp->centre, from_centre);
+    air_subtract3(point, lamp->centre, from_centre);
     for (size_t k = 0; k < lamp->vertex_count; k++) {
-        air_area_subtract(lamp->vertices[k], point, out[k]);
+        air_subtract3(lamp->vertices[k], point, out[k]);
     }
-    return lamp->two_sided || air_area_dot(from_centre, lamp->normal) > 0.0;
+    return lamp->two_sided || air_dot3(from_centre, lamp->normal) > 0.0;
 }
 
 /* The point of a quadrilateral at (x, y) in the unit square: (1-x)(1-y) a + x (1-y) b + x y c +
@@ -168,16 +168,16 @@ static void quadrilateral_point(const air_area_lamp *lamp, double x, double y, d
 {
     const double *a = lamp->vertices[0];
     double ab[3], ad[3], cross[3], along_x[3], along_y[3], normal[3];
-    air_area_subtract(lamp->vertices[1], a, ab);
-    air_area_subtract(lamp->vertices[3], a, ad);
+    air_subtract3(lamp->vertices[1], a, ab);
+    air_subtract3(lamp->vertices[3], a, ad);
     for (int i = 0; i < 3; i++) {
         cross[i] = (lamp->vertices[2][i] - lamp->vertices[1][i]) - ad[i];
         along_x[i] = ab[i] + y * cross[i];
         along_y[i] = ad[i] + x * cross[i];
         point[i] = a[i] + x * ab[i] + y * along_y[i];
     }
-    air_area_cross(along_x, along_y, normal);
-    *weight = air_area_dot(normal, lamp->normal);
+    air_cross3(along_x, along_y, normal);
+    *weight = air_dot3(normal, lamp->normal);
 }
 
 /* The point of a fan's triangle at distance x from vertex 0 (1: on the far edge) and y along that
@@ -187,13 +187,13 @@ static void triangle_point(const air_area_lamp *lamp, size_t triangle, double x,
 {
     const double *a = lamp->vertices[0];
     double ab[3], bc[3], normal[3];
-    air_area_subtract(lamp->vertices[triangle + 1], a, ab);
-    air_area_subtract(lamp->vertices[triangle + 2], lamp->vertices[triangle + 1], bc);
+    air_subtract3(lamp->vertices[triangle + 1], a, ab);
+    air_subtract3(lamp->vertices[triangle + 2], lamp->vertices[triangle + 1], bc);
     for (int i = 0; i < 3; i++) {
         point[i] = a[i] + x * (ab[i] + y * bc[i]);
     }
-    air_area_cross(ab, bc, normal);
-    *weight = x * air_area_dot(normal, lamp->normal);
+    air_cross3(ab, bc, normal);
+    *weight = x * air_dot3(normal, lamp->normal);
 }
 
 size_t air_area_lamp_points(const air_area_lamp *lamp, int m, double (*points)[3], double *weights)

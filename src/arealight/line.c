@@ -6,7 +6,7 @@
  * the hump is about as wide as the rest, also where the ray meets the lamp [Kulla2012; the area's
  * share is ours]. */
 #include "arealight/gauss.h"
-#include "arealight/vector.h"
+#include "core/triple.h"
 
 #include "airlight/arealight.h"
 
@@ -23,11 +23,11 @@ static angle_map angle_map_make(const air_area_lamp *lamp, const double origin[3
                                 const double dir[3], air_interval interval)
 {
     double to_lamp[3], across[3];
-    air_area_subtract(lamp->centre, origin, to_lamp);
-    const double foot = air_area_dot(to_lamp, dir);
-    air_area_along(to_lamp, -foot, dir, across);
+    air_subtract3(lamp->centre, origin, to_lamp);
+    const double foot = air_dot3(to_lamp, dir);
+    air_along3(to_lamp, -foot, dir, across);
     angle_map out = {.begin_t = interval.begin, .end_t = interval.end};
-    out.height = sqrt(air_area_dot(across, across) + area_share * lamp->area);
+    out.height = sqrt(air_dot3(across, across) + area_share * lamp->area);
     out.start = (interval.begin - foot) / out.height;
     out.end = (interval.end - foot) / out.height;
     /* The difference of the two arcs' tangents: a short interval far away keeps its digits. */
@@ -68,9 +68,9 @@ bool air_area_lit_interval(const air_area_lamp *lamp, const double origin[3], co
     air_interval lit = {0.0, t_max};
     if (!lamp->two_sided) {
         double from_lamp[3];
-        air_area_subtract(origin, lamp->centre, from_lamp);
-        const double height = air_area_dot(from_lamp, lamp->normal);
-        const double rise = air_area_dot(dir, lamp->normal), crossing = -height / rise;
+        air_subtract3(origin, lamp->centre, from_lamp);
+        const double height = air_dot3(from_lamp, lamp->normal);
+        const double rise = air_dot3(dir, lamp->normal), crossing = -height / rise;
         if (rise > 0.0) {
             lit.begin = crossing > 0.0 ? crossing : 0.0;
         } else if (rise < 0.0) {

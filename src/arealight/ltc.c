@@ -33,17 +33,17 @@ air_area_ltc air_area_ltc_ggx(double alpha, double cos_o)
 /* x along wo's projection on the surface; any direction in it if wo is the normal. */
 static void make_frame(const double normal[3], const double wo[3], double x[3], double y[3])
 {
-    air_area_along(wo, -air_area_dot(wo, normal), normal, x);
-    double length = air_area_length(x);
+    air_along3(wo, -air_dot3(wo, normal), normal, x);
+    double length = air_length3(x);
     if (!(length > 1e-9)) {
         const double axis[3] = {fabs(normal[0]) < 0.6, fabs(normal[0]) >= 0.6, 0.0};
-        air_area_along(axis, -air_area_dot(axis, normal), normal, x);
-        length = air_area_length(x);
+        air_along3(axis, -air_dot3(axis, normal), normal, x);
+        length = air_length3(x);
     }
     for (int k = 0; k < 3; k++) {
         x[k] /= length;
     }
-    air_area_cross(normal, x, y);
+    air_cross3(normal, x, y);
 }
 
 typedef struct transformation {
@@ -54,8 +54,8 @@ typedef struct transformation {
 
 static void transform(const transformation *t, const double v[3], double out[3])
 {
-    const double x = air_area_dot(t->x, v), y = air_area_dot(t->y, v);
-    const double z = air_area_dot(t->normal, v);
+    const double x = air_dot3(t->x, v), y = air_dot3(t->y, v);
+    const double z = air_dot3(t->normal, v);
     out[0] = t->ltc->xx * x + t->ltc->xz * z;
     out[1] = y;
     out[2] = t->ltc->zx * x + t->ltc->zz * z;

@@ -11,8 +11,8 @@ bool air_cone_make(const double (*polygon)[3], size_t count, air_cone *out)
     }
     for (size_t i = 0; i < count; i++) {
         const double *next = polygon[i + 1 < count ? i + 1 : 0];
-        air_area_subtract(next, polygon[i], out->edges[i]);
-        air_area_copy(polygon[i], out->vertices[i]);
+        air_subtract3(next, polygon[i], out->edges[i]);
+        air_copy3(polygon[i], out->vertices[i]);
     }
     out->count = count;
     return true;
@@ -21,7 +21,7 @@ bool air_cone_make(const double (*polygon)[3], size_t count, air_cone *out)
 /* Adds the part of edge i from share `from` on, `part` of it long. */
 static void add_part(air_cone *out, const air_cone *cone, size_t i, double from, double part)
 {
-    air_area_along(cone->vertices[i], from, cone->edges[i], out->vertices[out->count]);
+    air_along3(cone->vertices[i], from, cone->edges[i], out->vertices[out->count]);
     for (int k = 0; k < 3; k++) {
         out->edges[out->count][k] = part * cone->edges[i][k];
     }
@@ -31,12 +31,12 @@ static void add_part(air_cone *out, const air_cone *cone, size_t i, double from,
 void air_cone_clip(const air_cone *cone, const double axis[3], air_cone *out)
 {
     out->count = 0;
-    double height = cone->count > 0 ? air_area_dot(axis, cone->vertices[0]) : 0.0;
+    double height = cone->count > 0 ? air_dot3(axis, cone->vertices[0]) : 0.0;
     const double first = height;
     size_t left[AIR_CONE_VERTICES],
         left_count = 0; /* vertices from which the horizon is followed */
     for (size_t i = 0; i < cone->count; i++) {
-        const double next = i + 1 < cone->count ? air_area_dot(axis, cone->vertices[i + 1]) : first;
+        const double next = i + 1 < cone->count ? air_dot3(axis, cone->vertices[i + 1]) : first;
         const bool inside = height >= 0.0, stays = next >= 0.0;
         const double share = inside != stays ? air_horizon_share(height, next) : 1.0;
         if (inside) {
@@ -52,7 +52,7 @@ void air_cone_clip(const air_cone *cone, const double axis[3], air_cone *out)
     }
     for (size_t k = 0; k < left_count; k++) {
         const size_t next = left[k] + 1 < out->count ? left[k] + 1 : 0;
-        air_area_subtract(out->vertices[next], out->vertices[left[k]], out->edges[left[k]]);
+        air_subtract3(out->vertices[next], out->vertices[left[k]], out->edges[left[k]]);
     }
     if (out->count < 3) {
         out->count = 0;
@@ -64,9 +64,9 @@ void air_cone_normal(const air_cone *cone, double out[3])
     double to_here[3] = {0.0, 0.0, 0.0}, part[3];
     out[0] = out[1] = out[2] = 0.0;
     for (size_t i = 1; i + 1 < cone->count; i++) {
-        air_area_along(to_here, 1.0, cone->edges[i - 1], to_here);
-        air_area_cross(to_here, cone->edges[i], part);
-        air_area_along(out, 1.0, part, out);
+        air_along3(to_here, 1.0, cone->edges[i - 1], to_here);
+        air_cross3(to_here, cone->edges[i], part);
+        air_along3(out, 1.0, part, out);
     }
 }
 
@@ -77,12 +77,11 @@ double air_cone_solid_angle(const air_cone *cone)
     for (size_t i = 1; i + 1 < cone->count; i++) {
         const double *a = cone->vertices[0], *b = cone->vertices[i], *c = cone->vertices[i + 1];
         double normal[3];
-        air_area_along(to_here, 1.0, cone->edges[i - 1], to_here);
-        air_area_cross(to_here, cone->edges[i], normal);
-        const double la = air_area_length(a), lb = air_area_length(b), lc = air_area_length(c);
-        sum +=
-            atan2(air_area_dot(a, normal), la * lb * lc + air_area_dot(a, b) * lc +
-                                               air_area_dot(b, c) * la + air_area_dot(c, a) * lb);
+        air_along3(to_here, 1.0, cone->edges[i - 1], to_here);
+        air_cross3(to_here, cone->edges[i], normal);
+        const double la = air_length3(a), lb = air_length3(b), lc = air_length3(c);
+        sum += atan2(air_dot3(a, normal), la * lb * lc + air_dot3(a, b) * lc + air_dot3(b, c) * la +
+                                              air_dot3(c, a) * lb);
     }
     return fabs(2.0 * sum);
 }
@@ -95,8 +94,8 @@ static double angle_about(const double axis[3], const air_edge_place *a, const a
         from[i] = a->vertex[i] + a->way[i];
         way[i] = (b->vertex[i] - a->vertex[i]) + (b->way[i] - a->way[i]);
     }
-    air_area_cross(from, way, normal);
-    return atan2(air_area_dot(axis, normal), air_area_dot(from, from) + air_area_dot(from, way));
+    air_cross3(from, way, normal);
+    return atan2(air_dot3(axis, normal), air_dot3(from, from) + air_dot3(from, way));
 }
 
 void air_horizon_pass(air_horizon *self, const double axis[3], const double vertex[3],
@@ -136,7 +135,7 @@ double air_cone_irradiance(const air_cone *cone, const double axis[3])
     air_horizon horizon = {.angle = 0.0};
     for (size_t i = 0; i < cone->count; i++) {
         const double *a = cone->vertices[i], *b = cone->vertices[i + 1 < cone->count ? i + 1 : 0];
-        const double up_a = air_area_dot(axis, a), up_b = air_area_dot(axis, b);
+        const double up_a = air_dot3(axis, a), up_b = air_dot3(axis, b);
         double normal[3], from[3] = {a[0], a[1], a[2]}, to[3] = {b[0], b[1], b[2]}, part = 1.0;
         if (!(up_a > 0.0) && !(up_b > 0.0)) {
             continue;
@@ -145,15 +144,14 @@ double air_cone_irradiance(const air_cone *cone, const double axis[3])
             const double share = air_horizon_share(up_a, up_b);
             const bool upwards = up_b > 0.0;
             double *const end = upwards ? from : to;
-            air_area_along(a, share, cone->edges[i], end);
+            air_along3(a, share, cone->edges[i], end);
             air_horizon_pass(&horizon, axis, a, cone->edges[i], share, upwards);
             part = upwards ? 1.0 - share : share;
         }
-        air_area_cross(a, cone->edges[i], normal);
-        const double length = air_area_length(normal);
+        air_cross3(a, cone->edges[i], normal);
+        const double length = air_length3(normal);
         if (length > 0.0) {
-            sum +=
-                air_area_dot(axis, normal) / length * atan2(part * length, air_area_dot(from, to));
+            sum += air_dot3(axis, normal) / length * atan2(part * length, air_dot3(from, to));
         }
     }
     sum += air_horizon_angle(&horizon, axis);
@@ -176,10 +174,10 @@ double air_area_irradiance(const double (*polygon)[3], size_t count, const doubl
 /* The squared distance from the origin to a + s way, s in [0, 1]. */
 static double segment_square(const double a[3], const double way[3])
 {
-    const double square = air_area_dot(way, way), s = -air_area_dot(a, way);
+    const double square = air_dot3(way, way), s = -air_dot3(a, way);
     double nearest[3];
-    air_area_along(a, s <= 0.0 ? 0.0 : (s < square ? s / square : 1.0), way, nearest);
-    return air_area_dot(nearest, nearest);
+    air_along3(a, s <= 0.0 ? 0.0 : (s < square ? s / square : 1.0), way, nearest);
+    return air_dot3(nearest, nearest);
 }
 
 /* The origin's foot on the plane if it is inside of every edge, else the nearest edge's point. */
@@ -191,14 +189,14 @@ double air_area_min_distance(const double (*polygon)[3], size_t count)
         return 0.0;
     }
     air_cone_normal(&cone, normal);
-    const double length = air_area_length(normal);
+    const double length = air_length3(normal);
     bool inside = length > 0.0;
     for (size_t i = 0; i < count; i++) {
         double outwards[3];
         const double square = segment_square(cone.vertices[i], cone.edges[i]);
-        air_area_cross(cone.vertices[i], cone.edges[i], outwards);
-        inside = inside && air_area_dot(normal, outwards) >= 0.0;
+        air_cross3(cone.vertices[i], cone.edges[i], outwards);
+        inside = inside && air_dot3(normal, outwards) >= 0.0;
         least = square < least ? square : least;
     }
-    return inside ? fabs(air_area_dot(normal, cone.vertices[0])) / length : sqrt(least);
+    return inside ? fabs(air_dot3(normal, cone.vertices[0])) / length : sqrt(least);
 }

@@ -7,7 +7,7 @@
 #define AIR_AREALIGHT_POLYGON_H
 
 #include "airlight/arealight.h"
-#include "arealight/vector.h"
+#include "core/triple.h"
 
 enum { AIR_CONE_VERTICES = 2 * AIR_AREA_MAX_VERTICES };
 

@@ -8,7 +8,7 @@
 
 static void stretch(const double v[3], double by, const double axis[3], double out[3])
 {
-    air_area_along(v, (by - 1.0) * air_area_dot(v, axis), axis, out);
+    air_along3(v, (by - 1.0) * air_dot3(v, axis), axis, out);
 }
 
 /* The integral of one half's density, which is 1 over the whole hemisphere. */

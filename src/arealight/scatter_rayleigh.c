@@ -9,19 +9,19 @@ static double edge_moment(const double wo[3], const double from[3], const double
                           const double to[3])
 {
     double normal[3], turned[3], difference[3];
-    air_area_cross(from, way, normal);
-    const double length = air_area_length(normal);
+    air_cross3(from, way, normal);
+    const double length = air_length3(normal);
     if (!(length > 0.0)) {
         return 0.0;
     }
-    const double scale_from = 1.0 / air_area_length(from), scale_to = 1.0 / air_area_length(to);
+    const double scale_from = 1.0 / air_length3(from), scale_to = 1.0 / air_length3(to);
     for (int i = 0; i < 3; i++) {
         normal[i] /= length;
         /* from - to, of unit length each, by their own difference */
         difference[i] = from[i] * (scale_from - scale_to) - way[i] * scale_to;
     }
-    air_area_cross(normal, difference, turned);
-    return air_area_dot(normal, wo) * air_area_dot(wo, turned);
+    air_cross3(normal, difference, turned);
+    return air_dot3(normal, wo) * air_dot3(wo, turned);
 }
 
 /* Six times the volume under the polygon: positive if it runs counter-clockwise seen from outside.
@@ -31,8 +31,8 @@ static double signed_volume(const air_cone *cone)
     double sum = 0.0;
     for (size_t i = 1; i + 1 < cone->count; i++) {
         double normal[3];
-        air_area_cross(cone->vertices[i], cone->edges[i], normal);
-        sum += air_area_dot(cone->vertices[0], normal);
+        air_cross3(cone->vertices[i], cone->edges[i], normal);
+        sum += air_dot3(cone->vertices[0], normal);
     }
     return sum;
 }

@@ -114,18 +114,18 @@ static bool flatten(const air_cone *cone, double (*places)[2], double *out_heigh
 {
     double normal[3], s[3], t[3], sum = 0.0;
     air_cone_normal(cone, normal);
-    const double length = air_area_length(normal);
+    const double length = air_length3(normal);
     if (!(length > 0.0)) {
         return false;
     }
     for (int i = 0; i < 3; i++) {
         normal[i] /= length;
     }
-    air_area_axes_across(normal, s, t);
+    air_axes_across(normal, s, t);
     for (size_t i = 0; i < cone->count; i++) {
-        sum += air_area_dot(normal, cone->vertices[i]);
-        places[i][0] = air_area_dot(s, cone->vertices[i]);
-        places[i][1] = air_area_dot(t, cone->vertices[i]);
+        sum += air_dot3(normal, cone->vertices[i]);
+        places[i][0] = air_dot3(s, cone->vertices[i]);
+        places[i][1] = air_dot3(t, cone->vertices[i]);
     }
     *out_height = fabs(sum) / (double)cone->count;
     return true;
@@ -152,7 +152,7 @@ static double farthest(const air_cone *cone)
 {
     double most = 0.0;
     for (size_t i = 0; i < cone->count; i++) {
-        const double square = air_area_dot(cone->vertices[i], cone->vertices[i]);
+        const double square = air_dot3(cone->vertices[i], cone->vertices[i]);
         most = square > most ? square : most;
     }
     return sqrt(most);

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "collimated/moment_bound.h"
-#include "collimated/vector.h"
 #include "core/host.h"
+#include "core/triple.h"
 #include "core/vec.h"
 
 struct air_moment_map {

@@ -3,7 +3,8 @@
 #define AIR_COLLIMATED_PLANES_H
 
 #include "airlight/collimated.h"
-#include "collimated/vector.h"
+#include "core/triple.h"
+#include "core/vec.h"
 
 /* n.x <= h along o + t v reads nv t <= no, with no = h - n.o and nv = n.v. */
 typedef struct air_plane_crossings {

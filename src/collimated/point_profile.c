@@ -8,7 +8,7 @@
 #include <math.h>
 
 #include "collimated/point_piece.h"
-#include "collimated/vector.h"
+#include "core/triple.h"
 
 /* Gauss-Legendre of 10 points on [0, 1]: air_gauss_legendre(10), moved there. */
 enum { POINTS = 10 };

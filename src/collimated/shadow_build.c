@@ -13,8 +13,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "collimated/vector.h"
 #include "core/host.h"
+#include "core/triple.h"
+#include "core/vec.h"
 
 enum {
     TOP_LEVELS = 3, /* levels made together: 64 subtrees */

@@ -6,8 +6,9 @@
 
 #include "collimated/shadow_build.h"
 #include "collimated/shadow_mesh.h"
-#include "collimated/vector.h"
 #include "core/host.h"
+#include "core/triple.h"
+#include "core/vec.h"
 
 void air_shadow_tree_params_default(air_shadow_tree_params *params)
 {

@@ -5,12 +5,8 @@
 
 #include "core/exponential.h"
 #include "core/phase.h"
+#include "core/triple.h"
 #include "render/arealight_state.h"
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* ---- transmittance ---- */
 
@@ -18,7 +14,7 @@ air_vec3 air_area_transmittance(const air_with_arealight *with, const double fro
                                 const double to[3])
 {
     const double way[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-    const double length = sqrt(dot(way, way));
+    const double length = sqrt(air_dot3(way, way));
     if (with->snapshot->media.region_count == 0 || !(length > 0.0)) {
         return vec3_set1(1.0f);
     }
@@ -48,9 +44,9 @@ static void shares_inside(const air_region *region, const double point[3],
     for (size_t k = 0; k < region->plane_count; k++) {
         const air_plane *plane = &region->planes[k];
         const double n[3] = {(double)plane->n.x, (double)plane->n.y, (double)plane->n.z};
-        const double at = dot(n, point), room = (double)plane->h - at;
+        const double at = air_dot3(n, point), room = (double)plane->h - at;
         for (size_t i = 0; i < cubature->count; i++) {
-            const double rise = dot(n, cubature->points[i]) - at, here = room / rise;
+            const double rise = air_dot3(n, cubature->points[i]) - at, here = room / rise;
             /* on the way out it ends here, on the way in it begins */
             const double last = rise > 0.0 ? here : (room < 0.0 && rise == 0.0 ? 0.0 : 1.0);
             const double first = rise < 0.0 ? here : 0.0;
@@ -113,8 +109,8 @@ static double directional_weight(const air_with_arealight *with, const area_view
     double sum = 0.0;
     for (uint64_t rest = view->segment->regions; rest != 0; rest &= rest - 1) {
         const air_region *region = &media->regions[__builtin_ctzll(rest)];
-        sum += (double)(vec3_mean(region->sigma_s) *
-                        phase_eval(media->media[region->medium].phase, -(float)dot(view->wo, wi)));
+        sum += (double)(vec3_mean(region->sigma_s) * phase_eval(media->media[region->medium].phase,
+                                                                -(float)air_dot3(view->wo, wi)));
     }
     return sum;
 }
@@ -130,7 +126,7 @@ static double point_shares(const air_with_arealight *with, const area_view *view
         for (int k = 0; k < 3; k++) {
             wi[k] = cubature->points[i][k] - view->point[k];
         }
-        const double r2 = dot(wi, wi), r = sqrt(r2);
+        const double r2 = air_dot3(wi, wi), r = sqrt(r2);
         scratch->lengths[i] = r;
         scratch->shares[i] = 0.0;
         if (r > 0.0) {

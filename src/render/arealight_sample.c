@@ -1,11 +1,7 @@
 #include "render/arealight_sample.h"
 
 #include "core/phase.h"
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+#include "core/triple.h"
 
 /* A point uniform in area: the fan's triangle by the first number, in it by what is left of it and
  * the second. */
@@ -36,8 +32,8 @@ static bool make_way(const area_lamp *lamp, const area_sample *sample, area_way 
     for (int k = 0; k < 3; k++) {
         out->wi[k] = sample->source[k] - sample->point[k];
     }
-    const double r2 = dot(out->wi, out->wi), r = sqrt(r2);
-    double cosine = -dot(out->wi, lamp->shape.normal) / r;
+    const double r2 = air_dot3(out->wi, out->wi), r = sqrt(r2);
+    double cosine = -air_dot3(out->wi, lamp->shape.normal) / r;
     cosine = lamp->shape.two_sided ? fabs(cosine) : cosine;
     if (!(r > 0.0) || !(cosine > 0.0)) {
         return false;
@@ -60,7 +56,7 @@ static air_vec3 scatter(const air_with_arealight *with, const air_ray_segment *s
                         const double dir[3], const double wi[3])
 {
     const air_media *media = &with->snapshot->media;
-    const float cosine = (float)dot(dir, wi);
+    const float cosine = (float)air_dot3(dir, wi);
     air_vec3 sum = vec3_set1(0.0f);
     for (uint64_t rest = segment->regions; rest != 0; rest &= rest - 1) {
         const air_region *region = &media->regions[__builtin_ctzll(rest)];

@@ -3,10 +3,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/triple.h"
 #include "render/arealight_state.h"
 #include "render/method.h"
 #include "render/owner.h"
-#include "scene/lights/polygon.h"
 
 /* ---- where it applies ---- */
 
@@ -82,14 +82,11 @@ static void make_fan(area_lamp *lamp)
     const air_area_lamp *shape = &lamp->shape;
     double sum = 0.0;
     for (size_t i = 2; i < shape->vertex_count; i++) {
-        double a[3], b[3];
-        for (int k = 0; k < 3; k++) {
-            a[k] = shape->vertices[i - 1][k] - shape->vertices[0][k];
-            b[k] = shape->vertices[i][k] - shape->vertices[0][k];
-        }
-        const double c[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-                             a[0] * b[1] - a[1] * b[0]};
-        sum += sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+        double a[3], b[3], normal[3];
+        air_subtract3(shape->vertices[i - 1], shape->vertices[0], a);
+        air_subtract3(shape->vertices[i], shape->vertices[0], b);
+        air_cross3(a, b, normal);
+        sum += air_length3(normal);
         lamp->fan[i - 2] = sum;
     }
     for (size_t i = 2; i < shape->vertex_count; i++) {
