@@ -121,7 +121,7 @@ typedef struct scene_pictures {
 
 static void make_row(void *user, size_t row, size_t worker)
 {
-    static const scene_plan plan = {SCATTER_EDGE, 8, false, true, AIR_AREA_EQUIANGULAR, 32};
+    static const scene_plan plan = {SCATTER_EDGE, 8, false, true, AIR_AREA_EQUIANGULAR, 64};
     scene_pictures *self = user;
     (void)worker;
     for (int x = 0; x < SCENE_WIDTH; x++) {
@@ -178,13 +178,17 @@ static void add_error(const scene_pictures *self, const sums *s, bool ratio, err
     out->bias += (sum / mean - 1.0) / REPEATS;
 }
 
-static bool smooth(air_context *context, const scene_pictures *self, float scale, sums *s)
+static air_denoise_guides guides_of(const scene_pictures *self)
 {
-    const air_denoise_guides guides = {SCENE_WIDTH, SCENE_HEIGHT, self->depth, {NULL, NULL, NULL}};
+    return (air_denoise_guides){.width = SCENE_WIDTH, .height = SCENE_HEIGHT, .depth = self->depth};
+}
+
+static bool smooth(air_context *context, const scene_pictures *self, sums *s)
+{
+    const air_denoise_guides guides = guides_of(self);
     float *const planes[2] = {s->clear, s->visible};
     air_denoise_params params;
     air_denoise_params_default(&params);
-    params.scale = scale;
     return air_denoise_planes(context, &guides, &params, planes, 2) == AIR_OK;
 }
 
@@ -238,7 +242,7 @@ static void print_ways(air_context *context, const scene_pictures *self, int g, 
             for (uint32_t repeat = 0; repeat < REPEATS; repeat++) {
                 sample_picture(self, counts[k], ways[w].many, ways[w].by_extinction,
                                1u + repeat + 100u * (uint32_t)w, s);
-                if (ways[w].smooth && !smooth(context, self, 1.0f, s)) {
+                if (ways[w].smooth && !smooth(context, self, s)) {
                     abort();
                 }
                 add_error(self, s, ways[w].ratio, &found);
@@ -250,7 +254,7 @@ static void print_ways(air_context *context, const scene_pictures *self, int g, 
     }
 }
 
-/* With a filter that shrinks as the film's does. */
+/* With the film's filter, which shrinks. */
 static void print_convergence(air_context *context, const scene_pictures *self, sums *s)
 {
     double first = 0.0;
@@ -259,7 +263,9 @@ static void print_convergence(air_context *context, const scene_pictures *self, 
         error found = {0.0, 0.0};
         for (uint32_t repeat = 0; repeat < REPEATS; repeat++) {
             sample_picture(self, samples, true, false, 5000u + repeat, s);
-            if (!smooth(context, self, air_denoise_scale(samples), s)) {
+            const air_denoise_guides guides = guides_of(self);
+            float *const whole = s->clear, *const visible = s->visible;
+            if (air_denoise_shares(context, &guides, samples, &whole, &visible, 1) != AIR_OK) {
                 abort();
             }
             add_error(self, s, true, &found);

@@ -11,7 +11,11 @@ typedef struct denoise_options {
     cli_count levels;
     cli_real scale;
     bool no_albedo;
+    cli_count terms;
 } denoise_options;
+
+/* in the order of air_term */
+static const char *const term_names[] = {"S0", "S+", "M1", "M2", NULL};
 
 static const cli_option denoise_table[] = {
     {.name = "levels",
@@ -31,17 +35,27 @@ static const cli_option denoise_table[] = {
      .kind = CLI_FLAG,
      .offset = offsetof(denoise_options, no_albedo),
      .help = "Filter what surfaces reflect, not what they receive."},
+    {.name = "terms",
+     .kind = CLI_SET,
+     .value = "LIST",
+     .choices = term_names,
+     .offset = offsetof(denoise_options, terms),
+     .help = "Filter only these parts of the light, with commas between: S0, S+, M1, M2; default "
+             "all. Sunbeams by method collimated have no noise in M1: leave it out. Needs "
+             "--layers."},
 };
 
 static const cli_usage denoise_usage = {
     .command = "denoise",
     .arguments = "IN.exr OUT",
     .summary = "Smooths a picture by what its guides see: depth, normal and albedo of the first "
-               "surface, as `airlight render --guides` writes them. Edges stay; fog, which has no "
-               "guides of its own, is smoothed within surfaces.",
-    .examples = "  airlight render room.glb --spp 16 --guides -o room.exr\n"
+               "surface, as `airlight render --guides` writes them. With --layers, "
+               "too, light on surfaces, light in the air and what is seen directly are kept apart, "
+               "which looks better.",
+    .examples = "  airlight render room.glb --spp 16 --guides --layers -o room.exr\n"
                 "  airlight denoise room.exr smooth.exr\n"
-                "  airlight denoise room.exr smooth.png --levels 5\n",
+                "  airlight denoise room.exr smooth.png --levels 5\n"
+                "  airlight denoise beams.exr smooth.exr --terms S+,M2 --scale 0.5\n",
     .argument_min = 2,
     .argument_max = 2,
 };
@@ -63,6 +77,7 @@ static cli_exit run_denoise(denoise_run *run, const char *in, const char *out)
     params.levels = run->options.levels.set ? (uint32_t)run->options.levels.value : params.levels;
     params.scale = run->options.scale.set ? (float)run->options.scale.value : params.scale;
     params.albedo = !run->options.no_albedo;
+    params.terms = run->options.terms.set ? (uint32_t)run->options.terms.value : params.terms;
     cli_exit result = cli_host_open(host, &run->host_options);
     if (result == CLI_OK) {
         result = cli_output_check(host, &paths, image_extensions);

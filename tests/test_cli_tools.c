@@ -49,6 +49,7 @@ static void pictures_with_guides_are_denoised(void **state)
     const char *const bare[] = {"denoise", "a.exr", "b.exr", NULL};
     const char *const good[] = {"denoise", "g.exr", "b.exr", "--levels", "2", NULL};
     const char *const scaled[] = {"denoise", "g.exr", "c.exr", "--scale", "1.5", NULL};
+    const char *const terms[] = {"denoise", "g.exr", "c.exr", "--terms", "M1", NULL};
     assert_run(&directory, render, 0, "", "");
     assert_run(&directory, guided, 0, "", "");
     assert_run(&directory, bare, 1, "", "render --guides");
@@ -56,6 +57,8 @@ static void pictures_with_guides_are_denoised(void **state)
     assert_run(&directory, good, 0, "", "wrote b.exr");
     assert_true(cli_exists("b.exr"));
     assert_run(&directory, scaled, 2, "", "--scale");
+    assert_run(&directory, terms, 1, "", "render --layers");
+    assert_false(cli_exists("c.exr"));
     cli_leave(&directory);
 }
 

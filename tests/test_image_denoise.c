@@ -41,7 +41,7 @@ static void make_picture(picture *p)
 static air_denoise_guides guides_of(const picture *p)
 {
     return (air_denoise_guides){
-        WIDTH, HEIGHT, p->depth, {p->normal[0], p->normal[1], p->normal[2]}};
+        WIDTH, HEIGHT, p->depth, {p->normal[0], p->normal[1], p->normal[2]}, NULL};
 }
 
 static void denoise(air_context *context, picture *p, float scale)
@@ -120,7 +120,7 @@ static void noise_falls_as_the_weights_say(void **state)
 {
     enum { SIDE = 200 };
     float *plane = malloc(SIDE * SIDE * sizeof *plane);
-    const air_denoise_guides guides = {SIDE, SIDE, NULL, {NULL, NULL, NULL}};
+    const air_denoise_guides guides = {SIDE, SIDE, NULL, {NULL, NULL, NULL}, NULL};
     air_denoise_params params;
     air_context *context = make_context(2);
     air_rng rng = air_rng_from_keys(5, 5);
@@ -187,11 +187,12 @@ static void small_pictures_and_wrong_parameters(void **state)
     air_denoise_params_default(&params);
     params.levels = AIR_DENOISE_MAX_LEVELS;
     for (int i = 0; i < 4; i++) {
-        const air_denoise_guides guides = {sizes[i][0], sizes[i][1], NULL, {NULL, NULL, NULL}};
+        const air_denoise_guides guides = {
+            sizes[i][0], sizes[i][1], NULL, {NULL, NULL, NULL}, NULL};
         assert_int_equal(air_denoise_planes(context, &guides, &params, &plane, 1), AIR_OK);
         assert_true(values[0] >= 1.0f && values[4] <= 5.0f);
     }
-    const air_denoise_guides guides = {5, 1, NULL, {NULL, NULL, NULL}};
+    const air_denoise_guides guides = {5, 1, NULL, {NULL, NULL, NULL}, NULL};
     params.levels = AIR_DENOISE_MAX_LEVELS + 1;
     assert_int_equal(air_denoise_planes(context, &guides, &params, &plane, 1), AIR_ERROR_ARGUMENT);
     params.levels = 1;
@@ -240,6 +241,205 @@ static void images_are_filtered_without_their_texture(void **state)
     air_context_destroy(context);
 }
 
+/* Lengths of normals do not matter, and one above 1 does not make weights grow without bound. */
+static void only_the_direction_of_normals_counts(void **state)
+{
+    static picture unit, longer;
+    air_context *context = make_context(1);
+    (void)state;
+    make_picture(&unit);
+    make_picture(&longer);
+    for (int i = 0; i < PIXELS; i++) {
+        for (int k = 0; k < 3; k++) {
+            longer.normal[k][i] *= 1.5f;
+        }
+    }
+    denoise(context, &unit, 1e-3f);
+    denoise(context, &longer, 1e-3f);
+    for (int i = 0; i < PIXELS; i++) {
+        assert_true(isfinite(unit.a[i]) && unit.a[i] == longer.a[i] && unit.b[i] == longer.b[i]);
+    }
+    air_context_destroy(context);
+}
+
+/* A step in the value that is wide against value_width is kept, where nothing else tells. */
+static void a_value_keeps_its_steps(void **state)
+{
+    static float value[PIXELS], plane[PIXELS];
+    const air_denoise_guides guides = {.width = WIDTH, .height = HEIGHT, .value = value};
+    float *const planes[1] = {plane};
+    air_context *context = make_context(2);
+    air_denoise_params params;
+    (void)state;
+    for (int i = 0; i < PIXELS; i++) {
+        value[i] = plane[i] = i % WIDTH < 20 ? 0.25f : 0.75f;
+    }
+    air_denoise_params_default(&params);
+    params.value_width = 0.02f;
+    assert_int_equal(air_denoise_planes(context, &guides, &params, planes, 1), AIR_OK);
+    for (int i = 0; i < PIXELS; i++) {
+        assert_float_equal(plane[i], value[i], 1e-6f); /* e^-25 0.5 */
+    }
+    params.value_width = 0.0f;
+    assert_int_equal(air_denoise_planes(context, &guides, &params, planes, 1), AIR_ERROR_ARGUMENT);
+    air_context_destroy(context);
+}
+
+/* Mean squared errors of the shares of a half shadow at x = 18, visible with probability 0.1 left
+ * of it and 0.9 on the right, as sampled and smoothed. */
+typedef struct share_errors {
+    double raw, smooth;
+} share_errors;
+
+static double share_error(const float *whole, const float *visible)
+{
+    double sum = 0.0;
+    for (int i = 0; i < PIXELS; i++) {
+        const float open = i % WIDTH < 18 ? 0.1f : 0.9f;
+        const double d = (double)(visible[i] / whole[i]) - (double)open;
+        assert_true(visible[i] >= 0.0f && visible[i] <= whole[i]);
+        sum += d * d / PIXELS;
+    }
+    return sum;
+}
+
+static share_errors half_shadow(air_context *context, int samples)
+{
+    static float whole[PIXELS], visible[PIXELS];
+    const air_denoise_guides guides = {.width = WIDTH, .height = HEIGHT};
+    float *const of_whole[1] = {whole}, *const of_visible[1] = {visible};
+    air_rng rng = air_rng_from_keys(17, (uint32_t)samples);
+    for (int i = 0; i < PIXELS; i++) {
+        const float open = i % WIDTH < 18 ? 0.1f : 0.9f;
+        whole[i] = visible[i] = 0.0f;
+        for (int k = 0; k < samples; k++) {
+            const float amount = air_rng_float(&rng) / (float)samples;
+            whole[i] += amount;
+            visible[i] += air_rng_float(&rng) < open ? amount : 0.0f;
+        }
+    }
+    const double raw = share_error(whole, visible);
+    assert_int_equal(air_denoise_shares(context, &guides, samples, of_whole, of_visible, 1),
+                     AIR_OK);
+    return (share_errors){raw, share_error(whole, visible)};
+}
+
+/* What is sampled falls by 16 from 4 to 64 samples; a filter that stayed as it is would leave the
+ * edge's blur. A quarter is what bench_arealight_shadow asks for, too. However many there are, the
+ * filter is no loss. */
+static void shares_converge_at_edges(void **state)
+{
+    air_context *context = make_context(2);
+    (void)state;
+    const share_errors few = half_shadow(context, 4), many = half_shadow(context, 64);
+    const share_errors most = half_shadow(context, 2048);
+    assert_true(many.smooth <= 0.25 * few.smooth);
+    assert_true(few.smooth <= 0.1 * few.raw);
+    assert_true(many.smooth <= 0.1 * many.raw);
+    assert_true(most.smooth <= 0.5 * most.raw);
+    air_context_destroy(context);
+}
+
+/* ---- images ---- */
+
+enum { LAYERED = 19 };
+
+static const char *const layered[LAYERED] = {
+    "R",        "G",        "B",          "depth.Z",    "normal.X",   "normal.Y", "normal.Z",
+    "albedo.R", "albedo.G", "albedo.B",   "S0.R",       "S0.G",       "S0.B",     "M1.R",
+    "M1.G",     "M1.B",     "emission.R", "emission.G", "emission.B",
+};
+
+/* A wall whose albedo has stripes, in a haze that glows evenly, with a bright sign: all of it what
+ * the filter should keep, to rounding. */
+static air_image *make_layered(air_context *context)
+{
+    air_image *image;
+    assert_int_equal(air_image_create(context, WIDTH, HEIGHT, LAYERED, layered, &image), AIR_OK);
+    for (size_t i = 0; i < PIXELS; i++) {
+        const float albedo = i % 3 == 0 ? 0.2f : 0.9f;
+        const float sign = i % WIDTH == 5 ? 30.0f : 0.0f;
+        air_image_plane(image, 3)[i] = 2.0f;
+        air_image_plane(image, 6)[i] = 1.0f;
+        for (size_t c = 0; c < 3; c++) {
+            air_image_plane(image, 7 + c)[i] = albedo;
+            air_image_plane(image, 10 + c)[i] = 4.0f * albedo;
+            air_image_plane(image, 13 + c)[i] = 0.5f;
+            air_image_plane(image, 16 + c)[i] = sign;
+            air_image_plane(image, c)[i] = 4.0f * albedo + 0.5f + sign;
+        }
+    }
+    return image;
+}
+
+static void layers_are_filtered_by_what_concerns_them(void **state)
+{
+    air_context *context = make_context(2);
+    air_image *image = make_layered(context), *out;
+    air_denoise_params params;
+    (void)state;
+    air_denoise_params_default(&params);
+    assert_int_equal(air_image_denoise(context, image, &params, &out), AIR_OK);
+    for (size_t k = 0; k < LAYERED; k++) {
+        for (size_t i = 0; i < PIXELS; i++) {
+            const float kept = air_image_plane(image, k)[i];
+            assert_float_equal(air_image_plane(out, k)[i], kept, 1e-5f * fabsf(kept));
+        }
+    }
+    air_image_destroy(out);
+    air_image_destroy(image);
+    air_context_destroy(context);
+}
+
+/* Of the terms that are left out not a bit changes. */
+static void chosen_terms_alone_are_filtered(void **state)
+{
+    air_context *context = make_context(2);
+    air_image *image = make_layered(context), *out;
+    air_denoise_params params;
+    air_rng rng = air_rng_from_keys(2, 9);
+    (void)state;
+    for (size_t k = 10; k < 16; k++) {
+        for (size_t i = 0; i < PIXELS; i++) {
+            air_image_plane(image, k)[i] = air_rng_float(&rng);
+        }
+    }
+    air_denoise_params_default(&params);
+    params.terms = 1u << AIR_TERM_M1;
+    assert_int_equal(air_image_denoise(context, image, &params, &out), AIR_OK);
+    const size_t bytes = PIXELS * sizeof(float);
+    assert_memory_equal(air_image_plane(out, 10), air_image_plane(image, 10), bytes);
+    assert_memory_not_equal(air_image_plane(out, 13), air_image_plane(image, 13), bytes);
+    air_image_destroy(out);
+    air_image_destroy(image);
+    air_context_destroy(context);
+}
+
+/* Guides in threes are there as a whole or not at all; variances of the noisy picture go. */
+static void guides_are_whole_and_variances_go(void **state)
+{
+    static const char *const partial[5] = {"R", "G", "B", "depth.Z", "normal.Z"};
+    static const char *const varied[5] = {"R", "G", "B", "depth.Z", "variance.R"};
+    air_context *context = make_context(1);
+    air_image *image, *out;
+    air_denoise_params params;
+    (void)state;
+    air_denoise_params_default(&params);
+    assert_int_equal(air_image_create(context, 4, 4, 5, partial, &image), AIR_OK);
+    assert_int_equal(air_image_denoise(context, image, &params, &out), AIR_ERROR_ARGUMENT);
+    assert_non_null(strstr(air_context_last_error(context), "normal.X"));
+    air_image_destroy(image);
+    assert_int_equal(air_image_create(context, 4, 4, 5, varied, &image), AIR_OK);
+    assert_int_equal(air_image_denoise(context, image, &params, &out), AIR_OK);
+    assert_null(air_image_channel_name(out, 4));
+    air_image_destroy(out);
+    params.terms = 1u << AIR_TERM_M1;
+    assert_int_equal(air_image_denoise(context, image, &params, &out), AIR_ERROR_ARGUMENT);
+    assert_non_null(strstr(air_context_last_error(context), "--layers"));
+    air_image_destroy(image);
+    air_context_destroy(context);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -251,6 +451,12 @@ int main(void)
         cmocka_unit_test(what_is_not_finite_stays_and_spoils_nothing),
         cmocka_unit_test(small_pictures_and_wrong_parameters),
         cmocka_unit_test(images_are_filtered_without_their_texture),
+        cmocka_unit_test(only_the_direction_of_normals_counts),
+        cmocka_unit_test(a_value_keeps_its_steps),
+        cmocka_unit_test(shares_converge_at_edges),
+        cmocka_unit_test(layers_are_filtered_by_what_concerns_them),
+        cmocka_unit_test(chosen_terms_alone_are_filtered),
+        cmocka_unit_test(guides_are_whole_and_variances_go),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -40,11 +40,9 @@ static double sample_total(const air_film *film, uint32_t offset)
 static air_status smooth(const air_film *film, air_film_shares *shares, double samples,
                          float *guides)
 {
-    air_denoise_params params;
     const size_t pixels = shares->pixels;
     const air_film_slot *depth = find_slot(film, "depth"), *normal = find_slot(film, "normal");
-    air_denoise_guides seen = {air_film_width(film), air_film_height(film), NULL, {NULL}};
-    air_denoise_params_default(&params);
+    air_denoise_guides seen = {air_film_width(film), air_film_height(film), NULL, {NULL}, NULL};
     if (depth != NULL) {
         fill_plane(film, depth->offset, samples, guides);
         seen.depth = guides;
@@ -57,7 +55,6 @@ static air_status smooth(const air_film *film, air_film_shares *shares, double s
         if (slot->kind != AIR_SLOT_SHARE) {
             continue;
         }
-        params.scale = air_denoise_scale(sample_total(film, slot->offset + 12));
         const bool on_surfaces = strcmp(slot->name, "S0") == 0 && normal != NULL;
         for (uint32_t c = 0; c < 3; c++) {
             float *plane = guides + (c + 1) * pixels;
@@ -70,7 +67,8 @@ static air_status smooth(const air_film *film, air_film_shares *shares, double s
             planes[k] = shares->planes + (6 * next + k) * pixels;
             fill_plane(film, slot->offset + (k < 3 ? 6 + k : k), samples, planes[k]);
         }
-        status = air_denoise_planes(film->context, &seen, &params, planes, 6);
+        status = air_denoise_shares(film->context, &seen, sample_total(film, slot->offset + 12),
+                                    planes + 3, planes, 3);
         next++;
     }
     return status;
