@@ -3,14 +3,6 @@
 #include <string.h>
 
 #include "arealight/eval.h"
-#include "core/quadrature.h"
-
-/* What the peak's half has of the whole of the phase function [KT2025, a_u]. */
-static double near_share(double gamma)
-{
-    const double root = sqrt(1.0 + gamma * gamma);
-    return (1.0 + gamma) / (root * (root + 1.0 - gamma));
-}
 
 /* False if g is not a number. */
 static bool plan_phase(double g, air_area_plan *out)
@@ -20,37 +12,21 @@ static bool plan_phase(double g, air_area_plan *out)
     return g == g;
 }
 
-static void plan_rule(int nodes, air_area_plan *out)
-{
-    const int n = nodes < 2 ? 2 : nodes > 2 * AIR_AREA_EVAL_PAIRS ? 2 * AIR_AREA_EVAL_PAIRS : nodes;
-    double x[2 * AIR_AREA_EVAL_PAIRS], w[2 * AIR_AREA_EVAL_PAIRS];
-    air_gauss_legendre((size_t)n, x, w);
-    out->pairs = (n + 1) / 2;
-    for (int i = 0; i < out->pairs; i++) {
-        const bool middle = 2 * i + 1 == n; /* a pair of itself */
-        out->node[i] = middle ? 0.0 : -x[i];
-        out->weight[i] = middle ? 0.5 * w[i] : w[i];
-    }
-}
-
 static bool plan_edge(const air_area_lamp *lamp, double g, int nodes, air_area_plan *out)
 {
     *out = (air_area_plan){.lamp = lamp};
-    plan_rule(nodes, out);
+    air_edge_rule_make(nodes, &out->rule);
     return plan_phase(g, out);
 }
 
 /* Where g = 0 edges are exact with any rule. */
 static bool plan_lobes(const air_area_lamp *lamp, const air_area_lobe *lobe, air_area_plan *out)
 {
-    const double near = near_share(fmin(fabs(lobe->g), 0.99));
-    *out = (air_area_plan){.lamp = lamp,
-                           .lobes = lobe->g != 0.0,
-                           .share = {near, 1.0 - near},
-                           .s = {lobe->s_near, lobe->s_far},
-                           .w = {lobe->w_near, lobe->w_far}};
-    plan_rule(2, out);
-    return plan_phase(lobe->g, out);
+    *out = (air_area_plan){.lamp = lamp, .lobes = lobe->g != 0.0};
+    const bool planned = plan_phase(lobe->g, out);
+    out->halves = air_lobe_halves_make(lobe, out->gamma);
+    air_edge_rule_make(2, &out->rule);
+    return planned;
 }
 
 static air_area_version *version_of(air_cpu cpu)

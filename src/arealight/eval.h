@@ -3,8 +3,8 @@
 #define AIR_AREALIGHT_EVAL_H
 
 #include "airlight/arealight_eval.h"
-
-enum { AIR_AREA_EVAL_PAIRS = 16 };
+#include "arealight/edge.h"
+#include "arealight/scatter_lobes.h"
 
 /* What is the same for all points. */
 typedef struct air_area_plan {
@@ -13,12 +13,8 @@ typedef struct air_area_plan {
     double gamma; /* |g| */
     bool lobes;   /* else edges */
 
-    /* By edges: a rule on [-1, 1] in pairs of nodes of equal weight, node[i] and -node[i]. */
-    int pairs;
-    double node[AIR_AREA_EVAL_PAIRS], weight[AIR_AREA_EVAL_PAIRS];
-
-    /* By lobes: [0] the half around the peak, [1] the other. */
-    double share[2], s[2], w[2];
+    air_edge_rule rule;     /* by edges */
+    air_lobe_halves halves; /* by lobes */
 } air_area_plan;
 
 typedef void air_area_version(const air_area_plan *plan, const air_area_shading_points *points,

@@ -1,4 +1,4 @@
-/* eval_lanes_edge.h: S by edges, side by side: eval_plain.c's formulas with the trigonometry taken
+/* eval_lanes_edge.h: S by edges, side by side: edge.h's formulas with the trigonometry taken
  * out.
  *
  * With d and s the cosine and sine of an edge's arc, everything is wanted times 2 cos(arc / 2):

@@ -53,7 +53,7 @@ typedef struct eval_lamp {
     lane_real small_square; /* of the distance times r from which on it counts as small */
     lane_real offset[AIR_AREA_MAX_VERTICES][3], edge[AIR_AREA_MAX_VERTICES][3];
     lane_real spoke[AIR_AREA_MAX_VERTICES][3]; /* the normals of the fan about the centre */
-    lane_real node[AIR_AREA_EVAL_PAIRS], weight[AIR_AREA_EVAL_PAIRS];
+    lane_real node[AIR_EDGE_PAIRS], weight[AIR_EDGE_PAIRS];
     lane_real share[2], inverse_s[2], w[2];
 } eval_lamp;
 
@@ -101,7 +101,7 @@ static void eval_lamp_make(const air_area_plan *plan, eval_lamp *out)
 {
     out->two_sided = plan->lamp->two_sided;
     out->lobes = plan->lobes;
-    out->pairs = plan->pairs;
+    out->pairs = plan->rule.pairs;
     out->peak = (lane_real)plan->peak;
     const lane_real g = out->gamma = (lane_real)plan->gamma;
     out->two_gamma = g + g;
@@ -110,14 +110,14 @@ static void eval_lamp_make(const air_area_plan *plan, eval_lamp *out)
     out->rest = (1 - g) * (1 - g);
     out->rest2 = out->rest + out->rest;
     out->all_rest = (1 - g * g) * (1 - g * g);
-    for (int i = 0; i < plan->pairs; i++) {
-        out->node[i] = (lane_real)plan->node[i];
-        out->weight[i] = (lane_real)plan->weight[i];
+    for (int i = 0; i < plan->rule.pairs; i++) {
+        out->node[i] = (lane_real)plan->rule.node[i];
+        out->weight[i] = (lane_real)plan->rule.weight[i];
     }
     for (int i = 0; i < 2 && plan->lobes; i++) {
-        out->share[i] = (lane_real)plan->share[i];
-        out->inverse_s[i] = (lane_real)(1.0 / plan->s[i]);
-        out->w[i] = (lane_real)plan->w[i];
+        out->share[i] = (lane_real)plan->halves.share[i];
+        out->inverse_s[i] = (lane_real)(1.0 / plan->halves.s[i]);
+        out->w[i] = (lane_real)plan->halves.w[i];
     }
     eval_lamp_shape(plan->lamp, out);
 }

@@ -4,6 +4,7 @@
 
 #include "airlight/area_table.h"
 #include "arealight/gauss.h"
+#include "arealight/scatter_lobes.h"
 #include "core/vec.h"
 
 /* ---- densities of one half, c the cosine to its pole, in [0, 1] ---- */
@@ -13,12 +14,6 @@ typedef struct half_phase {
     double gamma, mass;
     bool near;
 } half_phase;
-
-static double near_mass(double gamma)
-{
-    const double r = sqrt(1.0 + gamma * gamma);
-    return (1.0 + gamma) / (r * (r + 1.0 - gamma));
-}
 
 static double phase_r(double gamma, double c)
 {
@@ -83,7 +78,7 @@ typedef struct half_fit {
 static void half_fit_make(double gamma, bool near, air_area_loss loss, half_fit *out)
 {
     double x[NODES], v[NODES];
-    const double mass = near_mass(gamma);
+    const double mass = air_near_share(gamma);
     air_area_gauss(NODES, x, v);
     out->half = (half_phase){gamma, near ? mass : 1.0 - mass, near};
     out->loss = loss;
@@ -284,7 +279,7 @@ air_area_lobe air_area_fit(air_area_source source, air_area_loss loss, double g)
 
 double air_area_lobe_density(air_area_source source, const air_area_lobe *lobe, double c)
 {
-    const double mass = near_mass(fabs(lobe->g));
+    const double mass = air_near_share(fabs(lobe->g));
     if (source == AIR_AREA_SOURCE_COSINE || source == AIR_AREA_SOURCE_UNIFORM) {
         return whole_density(source, lobe->s_near, c >= 0.0, fabs(c));
     }
