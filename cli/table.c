@@ -1,3 +1,4 @@
+#include <airlight/area_ltc.h>
 #include <airlight/area_table.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,7 +13,9 @@ typedef struct table_options {
 } table_options;
 
 static const char *const loss_names[] = {"kl", "l2", "l3", "cdf-l2", NULL};
-static const char *const source_names[] = {"ltsd", "mix", "cosine", "uniform", NULL};
+/* air_area_source, and one more. */
+enum { KIND_LTC = AIR_AREA_SOURCES };
+static const char *const kind_names[] = {"ltsd", "mix", "cosine", "uniform", "ltc", NULL};
 
 static const cli_option table_table[] = {
     {.name = "output",
@@ -41,10 +44,12 @@ static const cli_usage table_usage = {
     .command = "table",
     .arguments = "build KIND | info FILE | plot KIND",
     .summary =
-        "Fits transformed spherical distributions to Henyey and Greenstein's phase function "
-        "for `render --method arealight:ltsd|mix --area-table FILE`. Kinds: ltsd, mix; to be "
-        "plotted also the paper's failing sources cosine and uniform.",
+        "Fits transformed spherical distributions: ltsd and mix to Henyey and Greenstein's phase "
+        "function, for `render --method arealight:ltsd|mix --area-table FILE`; ltc to GGX, for "
+        "engines and the library (docs/table-format.md). To be plotted also the paper's failing "
+        "sources cosine and uniform.",
     .examples = "  airlight table build ltsd --loss l3 -o ltsd-l3.json\n"
+                "  airlight table build ltc -o ggx.json   # some seconds\n"
                 "  airlight table info ltsd-l3.json\n"
                 "  airlight table plot ltsd --g 0.9 > fit.csv   # cosine, phase function, fit\n",
     .argument_min = 2,
@@ -53,19 +58,30 @@ static const cli_usage table_usage = {
 
 /* ---- the three actions ---- */
 
-static cli_exit build(cli_host *host, const table_options *options, air_area_source source)
+static cli_exit build_ltc(cli_host *host, const char *path)
+{
+    static air_area_ltc_table table;
+    air_area_ltc_table_fit(host->context, &table);
+    return cli_host_exit(host, air_area_ltc_table_save(host->context, &table, path), path);
+}
+
+static cli_exit build(cli_host *host, const table_options *options, size_t kind)
 {
     air_area_table table;
-    if (options->output == NULL || source > AIR_AREA_SOURCE_MIX) {
-        cli_say(NULL, AIR_MESSAGE_ERROR, "table build: expected ltsd or mix, and -o FILE");
+    const air_area_source source = (air_area_source)kind;
+    if (options->output == NULL || (kind > AIR_AREA_SOURCE_MIX && kind != KIND_LTC)) {
+        cli_say(NULL, AIR_MESSAGE_ERROR, "table build: expected ltsd, mix or ltc, and -o FILE");
         return CLI_USAGE;
+    }
+    if (kind == KIND_LTC) {
+        return build_ltc(host, options->output);
     }
     air_area_table_fit(source, (air_area_loss)options->loss.value, &table);
     return cli_host_exit(host, air_area_table_save(host->context, &table, options->output),
                          options->output);
 }
 
-static cli_exit info(cli_host *host, const char *path)
+static cli_exit info_lobes(cli_host *host, const char *path)
 {
     static const double shown[] = {0.0, 0.1, 0.4, 0.6, 0.9, 0.99};
     air_area_table table;
@@ -74,7 +90,7 @@ static cli_exit info(cli_host *host, const char *path)
     if (result != CLI_OK) {
         return result;
     }
-    printf("kind: %s\nloss: %s\nknots: %d, |g| up to 0.99\n", source_names[table.source],
+    printf("kind: %s\nloss: %s\nknots: %d, |g| up to 0.99\n", kind_names[table.source],
            loss_names[table.loss], (int)AIR_AREA_KNOTS);
     for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
         const air_area_lobe lobe = air_area_table_lobe(&table, shown[i]);
@@ -82,6 +98,37 @@ static cli_exit info(cli_host *host, const char *path)
                lobe.w_near, lobe.s_far, lobe.w_far);
     }
     return CLI_OK;
+}
+
+static void info_ltc(const air_area_ltc_table *table)
+{
+    static const double alphas[] = {0.01, 0.1, 0.3, 0.6, 1.0}, cosines[] = {1.0, 0.7, 0.2};
+    printf("kind: ltc\nknots: %d x %d, alpha from 0.001 to 1, cos_o from 1 to 0\n",
+           (int)AIR_LTC_SIDE, (int)AIR_LTC_SIDE);
+    for (size_t i = 0; i < sizeof alphas / sizeof alphas[0]; i++) {
+        for (size_t j = 0; j < sizeof cosines / sizeof cosines[0]; j++) {
+            const air_area_ltc fit = air_area_ltc_at(table, alphas[i], cosines[j]);
+            printf("alpha %.2f, cos_o %.1f: xx %.5f xz %.5f zx %.5f zz %.5f, albedo %.5f\n",
+                   alphas[i], cosines[j], fit.xx, fit.xz, fit.zx, fit.zz, fit.albedo);
+        }
+    }
+}
+
+static cli_exit info(cli_host *host, const char *path)
+{
+    static air_area_ltc_table ltc;
+    bool is_ltc;
+    air_status status = air_area_table_is_ltc(host->context, path, &is_ltc);
+    if (status == AIR_OK && !is_ltc) {
+        return info_lobes(host, path);
+    }
+    if (status == AIR_OK) {
+        status = air_area_ltc_table_load(host->context, path, &ltc);
+    }
+    if (status == AIR_OK) {
+        info_ltc(&ltc);
+    }
+    return cli_host_exit(host, status, path);
 }
 
 /* Rows from the far pole to the peak, closer together near it. */
@@ -116,17 +163,22 @@ static cli_exit run(cli_host *host, const table_options *options, const char *ac
     if (strcmp(action, "info") == 0) {
         return info(host, subject);
     }
-    const size_t source = find(subject, source_names);
-    if (source_names[source] == NULL) {
+    const size_t kind = find(subject, kind_names);
+    if (kind_names[kind] == NULL) {
         cli_say(NULL, AIR_MESSAGE_ERROR,
-                "table: kind \"%s\" is not known: expected ltsd, mix, cosine or uniform", subject);
+                "table: kind \"%s\" is not known: expected ltsd, mix, ltc, cosine or uniform",
+                subject);
         return CLI_USAGE;
     }
     if (strcmp(action, "build") == 0) {
-        return build(host, options, (air_area_source)source);
+        return build(host, options, kind);
+    }
+    if (strcmp(action, "plot") == 0 && kind == KIND_LTC) {
+        cli_say(NULL, AIR_MESSAGE_ERROR, "table plot: expected ltsd, mix, cosine or uniform");
+        return CLI_USAGE;
     }
     if (strcmp(action, "plot") == 0) {
-        return plot(options, (air_area_source)source);
+        return plot(options, (air_area_source)kind);
     }
     cli_say(NULL, AIR_MESSAGE_ERROR, "table: \"%s\" is not known: expected build, info or plot",
             action);

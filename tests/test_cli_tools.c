@@ -22,17 +22,23 @@ static void tables_are_built_told_of_and_plotted(void **state)
     const char *const info[] = {"table", "info", "t.json", NULL};
     const char *const plot[] = {"table", "plot", "uniform", "--g", "0.9", NULL};
     const char *const no_file[] = {"table", "build", "mix", NULL};
-    const char *const no_kind[] = {"table", "build", "ltc", "-o", "x.json", NULL};
+    const char *const no_kind[] = {"table", "build", "ggx", "-o", "x.json", NULL};
     const char *const no_action[] = {"table", "burn", "mix", NULL};
     const char *const absent[] = {"table", "info", "absent.json", NULL};
     assert_run(&directory, build, 0, "", "");
     assert_run(&directory, info, 0, "kind: ltsd\nloss: l3\n", "");
     assert_run(&directory, plot, 0, "cosine_to_peak,phase,fit,difference\n-1,", "");
-    assert_run(&directory, no_file, 2, "", "expected ltsd or mix, and -o FILE");
-    assert_run(&directory, no_kind, 2, "", "kind \"ltc\" is not known");
+    assert_run(&directory, no_file, 2, "", "expected ltsd, mix or ltc, and -o FILE");
+    assert_run(&directory, no_kind, 2, "", "kind \"ggx\" is not known");
     assert_run(&directory, no_action, 2, "", "expected build, info or plot");
     assert_run(&directory, absent, 1, "", "absent.json");
     assert_false(cli_exists("x.json"));
+    const char *const ltc[] = {"table", "build", "ltc", "-o", "l.json", NULL};
+    const char *const ltc_info[] = {"table", "info", "l.json", NULL};
+    const char *const ltc_plot[] = {"table", "plot", "ltc", NULL};
+    assert_run(&directory, ltc, 0, "", "");
+    assert_run(&directory, ltc_info, 0, "kind: ltc\n", "");
+    assert_run(&directory, ltc_plot, 2, "", "expected ltsd, mix, cosine or uniform");
     cli_leave(&directory);
 }
 

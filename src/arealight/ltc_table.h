@@ -1,11 +1,9 @@
-/* ltc_table.h: fitted matrices that the library carries. */
+/* ltc_table.h: the fitted matrices that the library carries. */
 #ifndef AIR_AREALIGHT_LTC_TABLE_H
 #define AIR_AREALIGHT_LTC_TABLE_H
 
-enum { AIR_LTC_SIDE = 24 };
+#include "airlight/area_ltc.h"
 
-/* [alpha][cos_o]: sqrt(alpha) even from sqrt(0.001) to 1, sqrt(1 - cos_o) from 0 to 1; xx, xz, zx,
- * zz, albedo. */
-extern const float air_ltc_table[AIR_LTC_SIDE][AIR_LTC_SIDE][5];
+extern const air_area_ltc_table air_ltc_table;
 
 #endif

@@ -1,7 +1,8 @@
-/* fuzz_area_table.c: any bytes as a table of fitted lobes: no crash, no leak, a table whose lobes
- * are finite or an error. */
+/* fuzz_area_table.c: any bytes as a table of fitted lobes or of transformed cosines: no crash, no
+ * leak, a table whose entries are finite or an error. */
 #include <math.h>
 
+#include "airlight/area_ltc.h"
 #include "airlight/area_table.h"
 #include "fuzz_host.h"
 
@@ -20,6 +21,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             const air_area_lobe lobe = air_area_table_lobe(&table, g);
             if (!isfinite(lobe.s_near + lobe.w_near + lobe.s_far + lobe.w_far) ||
                 !(lobe.s_near > 0.0) || !(lobe.s_far > 0.0)) {
+                abort();
+            }
+        }
+    }
+    static air_area_ltc_table ltc;
+    if (air_area_ltc_table_load(context, "input.json", &ltc) == AIR_OK) {
+        for (double x = 0.0; x <= 1.0; x += 0.05) {
+            const air_area_ltc fit = air_area_ltc_at(&ltc, x * x, x);
+            if (!isfinite(fit.xx + fit.xz + fit.zx + fit.zz + fit.albedo)) {
                 abort();
             }
         }

@@ -1,0 +1,91 @@
+#include "render/table_json.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "core/host.h"
+
+enum { VERSION = 1 };
+
+json_t *air_table_json_new(const char *kind)
+{
+    json_t *root = json_object();
+    json_object_set_new(root, "airlight_table", json_integer(VERSION));
+    json_object_set_new(root, "kind", json_string(kind));
+    return root;
+}
+
+air_status air_table_json_write(air_context *context, json_t *root, const char *path)
+{
+    char *text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17));
+    json_decref(root);
+    if (text == NULL) {
+        return air_fail_memory(context, path);
+    }
+    const air_status status = air_file_write(context, path, text, strlen(text));
+    free(text);
+    return status;
+}
+
+air_status air_table_json_wrong(air_context *context, const char *path, const char *place,
+                                const char *expected)
+{
+    return air_fail(context, AIR_ERROR_FORMAT, "%s: %s: expected %s", path, place, expected);
+}
+
+air_status air_table_json_read(air_context *context, const char *path, json_t **out_root)
+{
+    void *data = NULL;
+    size_t size = 0;
+    json_error_t error;
+    *out_root = NULL;
+    const air_status status = air_file_read(context, path, &data, &size);
+    if (status != AIR_OK) {
+        return status;
+    }
+    json_t *root = json_loadb(data, size, JSON_REJECT_DUPLICATES, &error);
+    air_free(context, data);
+    if (root == NULL) {
+        return air_fail(context, AIR_ERROR_FORMAT, "%s:%d:%d: not JSON: %s", path, error.line,
+                        error.column, error.text);
+    }
+    const json_t *version = json_object_get(root, "airlight_table");
+    if (!json_is_integer(version) || json_integer_value(version) != VERSION) {
+        json_decref(root);
+        return air_table_json_wrong(context, path, "\"airlight_table\"", "the version number 1");
+    }
+    *out_root = root;
+    return AIR_OK;
+}
+
+size_t air_table_json_index(const json_t *text, const char *const *names, size_t count)
+{
+    size_t i = 0;
+    while (i < count && (!json_is_string(text) || strcmp(json_string_value(text), names[i]) != 0)) {
+        i++;
+    }
+    return i;
+}
+
+air_status air_table_json_numbers(air_context *context, const char *path, const json_t *root,
+                                  const char *name, double least, double largest, size_t count,
+                                  double *out)
+{
+    char place[64], expected[96];
+    const json_t *array = json_object_get(root, name);
+    snprintf(place, sizeof place, "\"%s\"", name);
+    if (!json_is_array(array) || json_array_size(array) != count) {
+        snprintf(expected, sizeof expected, "an array of %zu numbers", count);
+        return air_table_json_wrong(context, path, place, expected);
+    }
+    for (size_t k = 0; k < count; k++) {
+        const json_t *item = json_array_get(array, k);
+        out[k] = json_number_value(item);
+        if (!json_is_number(item) || !(out[k] >= least) || !(out[k] <= largest)) {
+            snprintf(place, sizeof place, "\"%s\"[%zu]", name, k);
+            snprintf(expected, sizeof expected, "a number from %g to %g", least, largest);
+            return air_table_json_wrong(context, path, place, expected);
+        }
+    }
+    return AIR_OK;
+}
