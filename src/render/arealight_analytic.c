@@ -85,26 +85,18 @@ static void transmittances(const air_with_arealight *with, air_area_scratch *scr
     }
 }
 
-/* Where the lamp is seen from, and how a point of it counts there: by the phase functions of the
- * media or by reflectance. */
+/* Where in the volume the lamp is seen from. */
 typedef struct area_view {
     const double *point;
-    const double *wo;           /* towards the camera */
-    const air_surface *surface; /* NULL in the volume */
+    const double *wo; /* towards the camera */
     const air_ray_segment *segment;
     double nearest; /* distance to the lamp */
 } area_view;
 
-/* The mean phase function of the media, or the reflectance times the cosine, towards wi. */
+/* The mean phase function of the media towards wi. */
 static double directional_weight(const air_with_arealight *with, const area_view *view,
                                  const double wi[3])
 {
-    if (view->surface != NULL) {
-        const air_vec3 f = air_bsdf_eval(
-            &view->surface->bsdf, vec3((float)view->wo[0], (float)view->wo[1], (float)view->wo[2]),
-            vec3((float)wi[0], (float)wi[1], (float)wi[2]));
-        return (double)vec3_mean(f);
-    }
     const air_media *media = &with->snapshot->media;
     double sum = 0.0;
     for (uint64_t rest = view->segment->regions; rest != 0; rest &= rest - 1) {
@@ -141,18 +133,22 @@ static double point_shares(const air_with_arealight *with, const area_view *view
     return sum;
 }
 
-/* tau per channel: the mean of the transmittances to points of the lamp, each with its share. Many
- * points where the lamp is near. */
+/* Many points where the lamp is near. */
+static const area_cubature *points_for(const area_lamp *lamp, double nearest)
+{
+    return nearest < 0.5 * sqrt(lamp->shape.area) ? &lamp->many : &lamp->few;
+}
+
+/* tau per channel: the mean of the transmittances to points of the lamp, each with its share. */
 static air_vec3 mean_transmittance(const air_with_arealight *with, air_area_scratch *scratch,
                                    const area_lamp *lamp, const area_view *view)
 {
-    const bool near = view->nearest < 0.5 * sqrt(lamp->shape.area);
-    const area_cubature *cubature = near ? &lamp->many : &lamp->few;
+    const area_cubature *cubature = points_for(lamp, view->nearest);
     if (with->snapshot->media.region_count == 0) {
         return vec3_set1(1.0f);
     }
     double sum = point_shares(with, view, cubature, scratch);
-    if (!(sum > 0.0)) { /* nothing is reflected from the points themselves */
+    if (!(sum > 0.0)) { /* nothing is scattered from the points themselves */
         memcpy(scratch->shares, cubature->weights, cubature->count * sizeof *cubature->weights);
         sum = lamp->shape.area;
     }
@@ -230,7 +226,7 @@ static air_vec3 lamp_transmittance(const air_with_arealight *with, air_area_scra
     }
     const double nearest =
         air_area_min_distance((const double(*)[3])polygon, lamp->shape.vertex_count);
-    const area_view view = {point, wo, NULL, segment, nearest};
+    const area_view view = {point, wo, segment, nearest};
     return lamp->mode == AIR_AREA_MODE_LTSD ? along_length(segment->sigma_t, (float)nearest)
                                             : mean_transmittance(with, scratch, lamp, &view);
 }
@@ -306,24 +302,104 @@ air_vec3 air_area_volume_light(const air_with_arealight *with, air_area_scratch 
 
 /* ---- surfaces ---- */
 
+/* The reflectance without a highlight, which is smooth, towards a point, times its cosine. */
+static air_vec3 smooth_reflection(const air_surface *surface, air_vec3 wo, const double way[3],
+                                  double length)
+{
+    const double scale = length > 0.0 ? 1.0 / length : 0.0;
+    const air_vec3 wi =
+        vec3((float)(way[0] * scale), (float)(way[1] * scale), (float)(way[2] * scale));
+    return air_bsdf_eval_smooth(&surface->bsdf, wo, wi);
+}
+
+/* Lengths of the ways to the lamp's points, their shares of the irradiance, and what is reflected
+ * of it. Returns the sum of the shares. */
+static double reflect_points(const air_surface *surface, air_vec3 wo, const double point[3],
+                             const double normal[3], const area_cubature *cubature,
+                             air_area_scratch *scratch)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < cubature->count; i++) {
+        double way[3];
+        air_subtract3(cubature->points[i], point, way);
+        const double r = air_length3(way), height = air_dot3(normal, way);
+        scratch->lengths[i] = r;
+        scratch->shares[i] = 0.0;
+        if (height > 0.0) {
+            scratch->shares[i] = cubature->weights[i] * height / (r * r * r * r);
+            scratch->reflected[i] =
+                vec3_scale(smooth_reflection(surface, wo, way, r), (float)(AIR_PI * r / height));
+        }
+        sum += scratch->shares[i];
+    }
+    return sum;
+}
+
+/* The mean over the lamp of reflectance times transmittance. */
+static air_vec3 mean_reflected(const air_with_arealight *with, air_area_scratch *scratch,
+                               const area_cubature *cubature, const double point[3], double total)
+{
+    air_vec3 sum = vec3_set1(0.0f);
+    const bool clear = with->snapshot->media.region_count == 0;
+    if (!clear) {
+        transmittances(with, scratch, point, cubature);
+    }
+    for (size_t i = 0; i < cubature->count; i++) {
+        if (scratch->shares[i] > 0.0) {
+            const air_vec3 through = clear ? vec3_set1(1.0f) : scratch->through[i];
+            sum = vec3_madd(sum, (float)(scratch->shares[i] / total),
+                            vec3_mul(scratch->reflected[i], through));
+        }
+    }
+    return sum;
+}
+
+/* Where all points are below the surface, the highest corner stands for what is above. */
+static air_vec3 corner_reflected(const air_with_arealight *with, const area_lamp *lamp,
+                                 const air_surface *surface, air_vec3 wo, const double point[3],
+                                 const double normal[3])
+{
+    double highest = 0.0, best[3] = {0.0, 0.0, 0.0};
+    size_t corner = 0;
+    for (size_t i = 0; i < lamp->shape.vertex_count; i++) {
+        double way[3];
+        air_subtract3(lamp->shape.vertices[i], point, way);
+        if (air_dot3(normal, way) > highest) {
+            highest = air_dot3(normal, way);
+            air_copy3(way, best);
+            corner = i;
+        }
+    }
+    if (!(highest > 0.0)) {
+        return vec3_set1(0.0f);
+    }
+    const double length = air_length3(best);
+    return vec3_scale(vec3_mul(smooth_reflection(surface, wo, best, length),
+                               air_area_transmittance(with, point, lamp->shape.vertices[corner])),
+                      (float)(AIR_PI * length / highest));
+}
+
 air_vec3 air_area_surface_light(const air_with_arealight *with, air_area_scratch *scratch,
                                 const area_lamp *lamp, const air_surface *surface, air_vec3 wo)
 {
-    double point[3], polygon[AIR_AREA_MAX_VERTICES][3], towards[3];
+    double point[3], normal[3], polygon[AIR_AREA_MAX_VERTICES][3];
     vec3_store64(point, surface->position);
-    vec3_store64(towards, wo);
+    vec3_store64(normal, surface->bsdf.frame.n);
     if (!air_area_lamp_seen_from(&lamp->shape, point, polygon)) {
         return vec3_set1(0.0f);
     }
     const double(*seen)[3] = (const double(*)[3])polygon;
-    const air_vec3 reflected = air_area_reflect(&surface->bsdf, seen, lamp->shape.vertex_count);
-    if (vec3_is_zero(reflected)) {
-        return reflected;
+    const double irradiance = air_area_irradiance(seen, lamp->shape.vertex_count, normal);
+    if (!(irradiance > 0.0)) {
+        return vec3_set1(0.0f);
     }
     const double nearest = air_area_min_distance(seen, lamp->shape.vertex_count);
-    const area_view view = {point, towards, surface, NULL, nearest};
-    const air_vec3 tau = mean_transmittance(with, scratch, lamp, &view);
+    const area_cubature *cubature = points_for(lamp, nearest);
+    const double total = reflect_points(surface, wo, point, normal, cubature, scratch);
+    const air_vec3 reflected = total > 0.0
+                                   ? mean_reflected(with, scratch, cubature, point, total)
+                                   : corner_reflected(with, lamp, surface, wo, point, normal);
     const air_vec3 radiance =
         vec3((float)lamp->radiance[0], (float)lamp->radiance[1], (float)lamp->radiance[2]);
-    return vec3_mul(vec3_mul(reflected, tau), radiance);
+    return vec3_scale(vec3_mul(reflected, radiance), (float)irradiance);
 }

@@ -9,6 +9,19 @@ enum { AREA_SETS = 0x40000 };
 
 /* ---- questions of visibility ---- */
 
+/* Adds what arrives of a sample. */
+static void add_arrived(const area_query *query, float through, air_path_lane *lanes,
+                        air_lane_ratios *ratios)
+{
+    air_lane_ratios *ratio = &ratios[query->lane];
+    air_vec3 *term = &lanes[query->lane].terms[query->surface ? AIR_TERM_S0 : AIR_TERM_M1];
+    air_vec3 *sum = !query->ratio    ? term
+                    : query->surface ? &ratio->surface.occluded
+                                     : &ratio->volume.occluded;
+    *sum = vec3_madd(*sum, through, query->value);
+    *term = vec3_madd(*term, through, query->highlight);
+}
+
 /* Sends the rays that wait and adds what arrives. */
 static void send(const air_with_arealight *with, air_area_scratch *scratch, air_path_lane *lanes,
                  air_lane_ratios *ratios)
@@ -21,20 +34,13 @@ static void send(const air_with_arealight *with, air_area_scratch *scratch, air_
                                    scratch->occluded);
     }
     for (size_t i = 0; i < count; i++) {
-        const area_query *query = &scratch->queries[i];
-        air_vec3 value = query->value;
         if (scratch->occluded[i]) {
             continue;
         }
-        if (with->snapshot->has_alpha && scratch->rays[i].mask != 0) {
-            value = vec3_scale(value, air_path_alpha_transmittance(with->path, &scratch->rays[i]));
-        }
-        air_lane_ratios *ratio = &ratios[query->lane];
-        air_vec3 *sum = !query->ratio
-                            ? &lanes[query->lane].terms[query->surface ? AIR_TERM_S0 : AIR_TERM_M1]
-                        : query->surface ? &ratio->surface.occluded
-                                         : &ratio->volume.occluded;
-        *sum = vec3_add(*sum, value);
+        const float through = with->snapshot->has_alpha && scratch->rays[i].mask != 0
+                                  ? air_path_alpha_transmittance(with->path, &scratch->rays[i])
+                                  : 1.0f;
+        add_arrived(&scratch->queries[i], through, lanes, ratios);
     }
 }
 
@@ -66,7 +72,7 @@ static area_sample draw(const air_with_arealight *with, const air_area_scratch *
                         const air_sampler *sampler, uint32_t set)
 {
     const uint32_t candidates = with->params->shadow_candidates;
-    area_sample kept = {.value = {0.0f, 0.0f, 0.0f}};
+    area_sample kept = {.value = {0.0f, 0.0f, 0.0f}, .highlight = {0.0f, 0.0f, 0.0f}};
     double total = 0.0, of_kept = 0.0;
     for (uint32_t i = 0; i < candidates; i++) {
         const air_f32x4 four = air_sampler_get(sampler, set + i);
@@ -75,7 +81,7 @@ static area_sample draw(const air_with_arealight *with, const air_area_scratch *
                                    : lamp->mode == AIR_AREA_MODE_VOLUME_RIS
                                        ? air_area_sample_extinction(with, scratch, lamp, ray, u)
                                        : air_area_sample_volume(with, scratch, lamp, ray, u);
-        const double value = (double)vec3_mean(sample.value);
+        const double value = (double)vec3_mean(vec3_add(sample.value, sample.highlight));
         total += value;
         if (value > 0.0 && (double)four[3] * total < value) {
             kept = sample;
@@ -83,45 +89,59 @@ static area_sample draw(const air_with_arealight *with, const air_area_scratch *
         }
     }
     if (of_kept > 0.0) {
-        kept.value = vec3_scale(kept.value, (float)(total / (of_kept * candidates)));
+        const float scale = (float)(total / (of_kept * candidates));
+        kept.value = vec3_scale(kept.value, scale);
+        kept.highlight = vec3_scale(kept.highlight, scale);
     }
     return kept;
 }
 
-/* Has the light a closed form? Highlights have none here: they are sampled. */
-static bool is_analytic(const area_lamp *lamp, const area_ray *ray, bool surface)
+/* How a lamp's light on a surface or in the volume is drawn. */
+typedef struct area_draws {
+    uint32_t count;
+    bool ratio;  /* does it tell the visible share of analytic light? else it is the light */
+    bool hidden; /* may something be in the way? */
+} area_draws;
+
+/* Highlights have no closed form here: they are drawn even where shadows are left out. */
+static area_draws plan_draws(const air_with_arealight *with, const area_lamp *lamp,
+                             const area_ray *ray, bool surface)
 {
-    return lamp->mode != AIR_AREA_MODE_VOLUME_RIS && !(surface && ray->surface->bsdf.f90 > 0.0f);
+    const uint32_t asked = with->params->shadow_samples;
+    if (lamp->mode == AIR_AREA_MODE_VOLUME_RIS) {
+        return (area_draws){1, false, true};
+    }
+    const bool highlight = surface && ray->surface->bsdf.f90 > 0.0f;
+    return (area_draws){asked > 0 ? asked : highlight, true, asked > 0};
 }
 
 static void add_samples(const air_with_arealight *with, air_area_scratch *scratch,
                         const area_lamp *lamp, const area_ray *ray, bool surface, size_t lane,
                         air_path_lane *lanes, air_lane_ratios *ratios)
 {
-    const bool ratio = is_analytic(lamp, ray, surface);
-    const bool whole = lamp->mode == AIR_AREA_MODE_VOLUME_RIS || with->params->shadow_samples == 0;
-    const uint32_t count = ratio || !whole ? with->params->shadow_samples : 1;
+    const area_draws draws = plan_draws(with, lamp, ray, surface);
     const air_sampler *of_lane = &lanes[lane].sampler;
     const uint32_t kind = 2 * (uint32_t)(lamp - with->lamps) + (surface ? 1 : 0);
     const uint32_t set = AREA_SETS + kind * with->params->shadow_candidates;
     air_ratio_sample *sums = surface ? &ratios[lane].surface : &ratios[lane].volume;
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < draws.count; i++) {
         /* the samples of a sample, too, belong to one sequence */
         const air_sampler sampler =
-            air_sampler_make(of_lane->sobol, of_lane->seed, of_lane->index * count + i);
+            air_sampler_make(of_lane->sobol, of_lane->seed, of_lane->index * draws.count + i);
         area_sample sample = draw(with, scratch, lamp, ray, surface, &sampler, set);
-        sample.value = vec3_scale(sample.value, 1.0f / (float)count);
-        if (vec3_is_zero(sample.value)) {
+        sample.value = vec3_scale(sample.value, 1.0f / (float)draws.count);
+        sample.highlight = vec3_scale(sample.highlight, 1.0f / (float)draws.count);
+        if (vec3_is_zero(vec3_add(sample.value, sample.highlight))) {
             continue;
         }
-        if (ratio) {
+        if (draws.ratio) {
             sums->unoccluded = vec3_add(sums->unoccluded, sample.value);
         }
-        scratch->rays[scratch->query_count] = shadow_ray(lamp, ray, surface, &sample);
-        if (!ratio && whole && lamp->mode != AIR_AREA_MODE_VOLUME_RIS) {
-            scratch->rays[scratch->query_count].mask = 0; /* nothing is in the way of lamps */
-        }
-        scratch->queries[scratch->query_count++] = (area_query){lane, surface, ratio, sample.value};
+        air_ray *out = &scratch->rays[scratch->query_count];
+        *out = shadow_ray(lamp, ray, surface, &sample);
+        out->mask = draws.hidden ? out->mask : 0;
+        scratch->queries[scratch->query_count++] =
+            (area_query){lane, surface, draws.ratio, sample.value, sample.highlight};
         if (scratch->query_count == AREA_QUERIES) {
             send(with, scratch, lanes, ratios);
         }
@@ -177,7 +197,7 @@ static void add_lane(const air_with_arealight *with, air_area_scratch *scratch, 
             if (on_surface ? ray.surface == NULL : !volume) {
                 continue;
             }
-            if (is_analytic(lamp, &ray, on_surface)) {
+            if (lamp->mode != AIR_AREA_MODE_VOLUME_RIS) {
                 add_analytic(with, scratch, lamp, &ray, on_surface, &lanes[i], &ratios[i]);
             }
             add_samples(with, scratch, lamp, &ray, on_surface, i, lanes, ratios);

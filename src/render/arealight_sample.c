@@ -93,7 +93,7 @@ area_sample air_area_sample_volume(const air_with_arealight *with, const air_are
                                    const area_lamp *lamp, const area_ray *ray, const double u[3])
 {
     const air_ray_media *media = &scratch->media;
-    area_sample out = {.value = {0.0f, 0.0f, 0.0f}};
+    area_sample out = {.value = {0.0f, 0.0f, 0.0f}, .highlight = {0.0f, 0.0f, 0.0f}};
     air_interval lit;
     double pdf;
     if (media->count == 0) {
@@ -119,7 +119,7 @@ area_sample air_area_sample_extinction(const air_with_arealight *with,
                                        const area_ray *ray, const double u[3])
 {
     const air_ray_media *media = &scratch->media;
-    area_sample out = {.value = {0.0f, 0.0f, 0.0f}};
+    area_sample out = {.value = {0.0f, 0.0f, 0.0f}, .highlight = {0.0f, 0.0f, 0.0f}};
     const float total = media->depth.y, share = -expm1f(-total);
     if (media->count == 0 || !(share > 0.0f)) {
         return out;
@@ -137,7 +137,7 @@ area_sample air_area_sample_extinction(const air_with_arealight *with,
 area_sample air_area_sample_surface(const air_with_arealight *with, const area_lamp *lamp,
                                     const area_ray *ray, const double u[2])
 {
-    area_sample out = {.value = {0.0f, 0.0f, 0.0f}};
+    area_sample out = {.value = {0.0f, 0.0f, 0.0f}, .highlight = {0.0f, 0.0f, 0.0f}};
     area_way way;
     vec3_store64(out.point, ray->surface->position);
     sample_point(lamp, u[0], u[1], out.source);
@@ -145,13 +145,18 @@ area_sample air_area_sample_surface(const air_with_arealight *with, const area_l
         return out;
     }
     const air_vec3 wo = vec3((float)-ray->dir[0], (float)-ray->dir[1], (float)-ray->dir[2]);
-    const air_vec3 f = air_bsdf_eval(&ray->surface->bsdf, wo,
-                                     vec3((float)way.wi[0], (float)way.wi[1], (float)way.wi[2]));
+    const air_vec3 wi = vec3((float)way.wi[0], (float)way.wi[1], (float)way.wi[2]);
+    const air_bsdf *bsdf = &ray->surface->bsdf;
+    const air_vec3 f = air_bsdf_eval(bsdf, wo, wi), smooth = air_bsdf_eval_smooth(bsdf, wo, wi);
     if (vec3_is_zero(f)) {
         return out;
     }
-    out.value = vec3_mul(
-        vec3_mul(f, radiance_times(lamp, way.form)),
+    const air_vec3 light = vec3_mul(
+        radiance_times(lamp, way.form),
         vec3_mul(ray->camera_transmittance, air_area_transmittance(with, out.point, out.source)));
+    out.value = vec3_mul(smooth, light);
+    const air_vec3 rest = vec3_sub(f, smooth); /* not below 0 but for rounding */
+    out.highlight = vec3_mul(
+        vec3(float_max(rest.x, 0.0f), float_max(rest.y, 0.0f), float_max(rest.z, 0.0f)), light);
     return out;
 }

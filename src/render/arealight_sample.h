@@ -10,6 +10,7 @@
 typedef struct area_sample {
     double point[3], source[3]; /* where it is scattered or reflected, and a point of the lamp */
     air_vec3 value;             /* what arrives over the density it was drawn with; 0: none */
+    air_vec3 highlight;         /* the same of a surface's highlight, which value leaves out */
 } area_sample;
 
 /* A camera ray, and the surface it ends on if any; media in scratch->media. */

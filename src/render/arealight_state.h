@@ -56,7 +56,7 @@ typedef struct area_nodes {
 typedef struct area_query {
     size_t lane;
     bool surface, ratio;
-    air_vec3 value; /* what arrives if nothing is in between */
+    air_vec3 value, highlight; /* what arrives if nothing is in between */
 } area_query;
 
 enum { AREA_QUERIES = 64 };
@@ -67,7 +67,7 @@ struct air_area_scratch {
     /* of the ways to a lamp's points */
     double shares[AIR_AREA_MAX_POINTS], lengths[AIR_AREA_MAX_POINTS];
     double begin[AIR_AREA_MAX_POINTS], end[AIR_AREA_MAX_POINTS];
-    air_vec3 through[AIR_AREA_MAX_POINTS];
+    air_vec3 through[AIR_AREA_MAX_POINTS], reflected[AIR_AREA_MAX_POINTS];
     area_query queries[AREA_QUERIES];
     air_ray rays[AREA_QUERIES];
     uint8_t occluded[AREA_QUERIES];
@@ -82,9 +82,6 @@ air_vec3 air_area_volume_light(const air_with_arealight *with, air_area_scratch 
 /* The same for what a surface reflects to the camera. */
 air_vec3 air_area_surface_light(const air_with_arealight *with, air_area_scratch *scratch,
                                 const area_lamp *lamp, const air_surface *surface, air_vec3 wo);
-
-/* The integral of f cos over a polygon seen from a surface that reflects evenly. */
-air_vec3 air_area_reflect(const air_bsdf *bsdf, const double (*polygon)[3], size_t count);
 
 /* Transmittance of the media between two points. */
 air_vec3 air_area_transmittance(const air_with_arealight *with, const double from[3],

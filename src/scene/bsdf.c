@@ -138,6 +138,23 @@ void air_bsdf_make(const air_bsdf_input *input, air_bsdf *out)
 
 /* ---- evaluation ---- */
 
+/* The lobes without a highlight. */
+typedef struct smooth_lobes {
+    air_vec3 base;
+    float multiple; /* times bsdf->multiple */
+} smooth_lobes;
+
+static smooth_lobes smooth_at(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
+{
+    const air_ggx_albedo at_o =
+        air_ggx_albedo_at(float_min(wo.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
+    const air_ggx_albedo at_i =
+        air_ggx_albedo_at(float_min(wi.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
+    return (smooth_lobes){
+        vec3_mul(bsdf->diffuse_scale, vec3_mul(left_to_base(bsdf, at_o), left_to_base(bsdf, at_i))),
+        bsdf->multiple_scale * (at_o.loss * at_i.loss)};
+}
+
 /* f |cos(wi)|, both directions above the shading surface. */
 static air_vec3 eval_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
 {
@@ -149,14 +166,9 @@ static air_vec3 eval_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
     const float single =
         0.5f * ggx_distribution(h, bsdf->alpha) /
         (wi.z * smith_length(wo, bsdf->alpha) + wo.z * smith_length(wi, bsdf->alpha));
-    const air_ggx_albedo at_o =
-        air_ggx_albedo_at(float_min(wo.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
-    const air_ggx_albedo at_i =
-        air_ggx_albedo_at(float_min(wi.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
-    const float multiple = bsdf->multiple_scale * (at_o.loss * at_i.loss);
-    const air_vec3 base =
-        vec3_mul(bsdf->diffuse_scale, vec3_mul(left_to_base(bsdf, at_o), left_to_base(bsdf, at_i)));
-    const air_vec3 f = vec3_madd(vec3_madd(base, single, fresnel), multiple, bsdf->multiple);
+    const smooth_lobes smooth = smooth_at(bsdf, wo, wi);
+    const air_vec3 f =
+        vec3_madd(vec3_madd(smooth.base, single, fresnel), smooth.multiple, bsdf->multiple);
     return vec3_scale(f, wi.z);
 }
 
@@ -184,6 +196,16 @@ air_vec3 air_bsdf_eval(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
         return vec3_scale(bsdf->diffuse, vec3_dot(wi, bsdf->frame.n) * INVERSE_PI);
     }
     return eval_local(bsdf, frame_to_local(&bsdf->frame, wo), frame_to_local(&bsdf->frame, wi));
+}
+
+air_vec3 air_bsdf_eval_smooth(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
+{
+    if (bsdf->f90 == 0.0f || !above(bsdf, wo) || !above(bsdf, wi)) {
+        return air_bsdf_eval(bsdf, wo, wi);
+    }
+    const air_vec3 local_i = frame_to_local(&bsdf->frame, wi);
+    const smooth_lobes smooth = smooth_at(bsdf, frame_to_local(&bsdf->frame, wo), local_i);
+    return vec3_scale(vec3_madd(smooth.base, smooth.multiple, bsdf->multiple), local_i.z);
 }
 
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
