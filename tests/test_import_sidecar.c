@@ -219,6 +219,66 @@ static void phase_functions_are_named(void **state)
     import_finish(&f.base);
 }
 
+static void mixtures_are_read(void **state)
+{
+    (void)state;
+    sidecar_fixture f;
+    start(&f);
+    beside_loads(&f, "{'media':[{'sigma_s':1,'phase':{'type':'mixture','lobes':[{'type':'hg',"
+                     "'g':0.5,'weight':6},{'type':'isotropic','weight':2,'comment':'haze'}]}}]}");
+    const air_medium *medium = only_medium(&f);
+    assert_int_equal(medium->phase.kind, AIR_PHASE_MIXTURE);
+    assert_int_equal(medium->phase.mixture->lobe_count, 2);
+    assert_int_equal(medium->phase.mixture->lobes[0].kind, AIR_PHASE_HG);
+    assert_true(medium->phase.mixture->lobes[0].g == 0.5f);
+    assert_true(medium->phase.mixture->lobes[0].weight == 0.75f);
+    assert_true(medium->phase.mixture->lobes[1].weight == 0.25f);
+    beside_loads(&f, "{'media':[{'sigma_s':1,'phase':{'type':'mixture','lobes':[{'type':"
+                     "'rayleigh','weight':0.5}]}}]}");
+    assert_int_equal(only_medium(&f)->phase.kind, AIR_PHASE_RAYLEIGH);
+    import_finish(&f.base);
+}
+
+static void mixtures_out_of_order_are_refused(void **state)
+{
+    static const char *const cases[][2] = {
+        {"{'type':'mixture'}", ".lobes: expected an array of 1 to 8 lobes, found nothing"},
+        {"{'type':'mixture','lobes':[]}",
+         ".lobes: expected an array of 1 to 8 lobes, found an array of 0"},
+        {"{'type':'mixture','lobes':[1]}", ".lobes[0]: expected an object, found 1"},
+        {"{'type':'mixture','lobes':[{'weight':1}]}",
+         ".lobes[0].type: expected a phase function, found nothing"},
+        {"{'type':'mixture','lobes':[{'type':'mixture','weight':1}]}",
+         ".lobes[0].type: expected one of isotropic, hg, rayleigh, found \"mixture\""},
+        {"{'type':'mixture','lobes':[{'type':'hg'}]}",
+         ".lobes[0].weight: expected the lobe's weight, found nothing"},
+        {"{'type':'mixture','lobes':[{'type':'hg','weight':-1}]}",
+         ".lobes[0].weight: expected a number >= 0, found -1"},
+        {"{'type':'mixture','lobes':[{'type':'hg','g':1,'weight':1}]}",
+         ".lobes[0].g: expected a number above -1 and below 1, found 1"},
+        {"{'type':'mixture','lobes':[{'type':'rayleigh','g':0,'weight':1}]}",
+         ".lobes[0].g: only the phase function \"hg\" has a g"},
+        {"{'type':'mixture','lobes':[{'type':'hg','weight':0}]}",
+         ".lobes: expected a weight above 0"},
+        {"{'type':'mixture','g':0.5,'lobes':[{'type':'hg','weight':1}]}",
+         ".g: unknown key; known are type, lobes"},
+        {"{'type':'hg','lobes':[]}", ".lobes: unknown key; known are type, g"},
+        {"{'lobes':[]}", ".type: expected a phase function, found nothing"},
+    };
+    (void)state;
+    sidecar_fixture f;
+    start(&f);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char text[256], message[256];
+        snprintf(text, sizeof text, "{'media':[{'sigma_s':1,'phase':%s}]}", cases[i][0]);
+        snprintf(message, sizeof message, "$.media[0].phase%s", cases[i][1]);
+        beside_refused(&f, text, message);
+    }
+    beside_refused(&f, "{'media':[{'sigma_s':1,'phase':'mixture'}]}",
+                   "$.media[0].phase: expected one of isotropic, hg, rayleigh, found \"mixture\"");
+    import_finish(&f.base);
+}
+
 static void boxes_may_be_said_in_three_ways(void **state)
 {
     (void)state;
@@ -649,6 +709,8 @@ int main(void)
         cmocka_unit_test(a_missing_with_file_is_an_error_a_missing_sidecar_is_not),
         cmocka_unit_test(coefficients_may_be_said_in_three_ways),
         cmocka_unit_test(phase_functions_are_named),
+        cmocka_unit_test(mixtures_are_read),
+        cmocka_unit_test(mixtures_out_of_order_are_refused),
         cmocka_unit_test(boxes_may_be_said_in_three_ways),
         cmocka_unit_test(other_boundaries_are_planes_meshes_and_none),
         cmocka_unit_test(an_open_boundary_mesh_is_refused_with_file_and_place),
