@@ -20,6 +20,7 @@ static const known_object objects[] = {
     {"$defs medium", "{'media':[{'?':1}]}"},
     {"$defs phase oneOf 1", "{'media':[{'sigma_s':1,'phase':{'type':'hg','?':1}}]}"},
     {"$defs phase oneOf 2", "{'media':[{'sigma_s':1,'phase':{'type':'mixture','?':1}}]}"},
+    {"$defs phase oneOf 3", "{'media':[{'sigma_s':1,'phase':{'type':'table','?':1}}]}"},
     {"$defs lobe", "{'media':[{'sigma_s':1,'phase':{'type':'mixture','lobes':[{'?':1}]}}]}"},
     {"$defs boundary oneOf 1", "{'media':[{'sigma_s':1,'boundary':{'?':1}}]}"},
     {"$defs box", "{'media':[{'sigma_s':1,'boundary':{'box':{'?':1}}}]}"},

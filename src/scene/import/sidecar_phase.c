@@ -1,8 +1,12 @@
 /* sidecar_phase.c: "phase", and "g" beside it. */
+#include <stdio.h>
+
+#include "core/phase_fit.h"
 #include "scene/import/import.h"
 
-static const char *const types[] = {"isotropic", "hg", "rayleigh", "mixture"};
-enum { LOBE_TYPES = 3, TYPES = sizeof types / sizeof types[0] };
+/* In the order of air_phase_kind; a table becomes a mixture. */
+static const char *const types[] = {"isotropic", "hg", "rayleigh", "mixture", "table"};
+enum { LOBE_TYPES = 3, TABLE = 4, TYPES = sizeof types / sizeof types[0] };
 
 /* Of a lobe, or of a phase function that is one. */
 static air_status read_g(const air_json *g_at, air_phase_kind kind, float *out)
@@ -61,8 +65,84 @@ static air_status read_mixture(const air_json *at, air_phase_mixture *out)
     return status;
 }
 
+/* ---- tables ---- */
+
+/* A fit whose error is larger is warned of. */
+static const double good_fit = 0.1;
+
+static air_status report_fit(const air_sidecar_part *part, const air_json *at, size_t lobe_count,
+                             double error)
+{
+    char place[256];
+    air_json_describe(at, place, sizeof place);
+    if (error <= good_fit) {
+        air_inform(part->import->context, "%s: %s: the table became %zu lobes, rms error %.2g %%",
+                   at->document->file, place, lobe_count, 100.0 * error);
+        return AIR_OK;
+    }
+    return air_import_warn(part->import,
+                           "%s: %s: the table became %zu lobes, rms error %.2g %%: lobes of Henyey "
+                           "and Greenstein cannot follow it better",
+                           at->document->file, place, lobe_count, 100.0 * error);
+}
+
+/* An array of count numbers, count >= 2, into a fresh one. */
+static air_status read_numbers(const air_json *at, size_t count, double **out)
+{
+    air_status status = AIR_OK;
+    *out = air_allocate(at->document->context, count, sizeof **out);
+    if (*out == NULL)
+        return air_fail_memory(at->document->context, "phase function");
+    for (size_t i = 0; i < count && status == AIR_OK; ++i) {
+        const air_json element = air_json_at(at, i);
+        status = air_json_number(&element, AIR_JSON_ANY, &(*out)[i]);
+    }
+    return status;
+}
+
+static air_status fit_table(const air_sidecar_part *part, const air_json *at, const double *cosines,
+                            const double *values, size_t count, air_phase_mixture *out)
+{
+    char buffer[AIR_PHASE_FAULT_SIZE];
+    const char *fault = air_phase_table_fault(cosines, values, count, buffer);
+    if (fault != NULL)
+        return air_json_fail(at, AIR_ERROR_FORMAT, "%s", fault);
+    double error = 0.0;
+    const air_status status =
+        air_phase_fit(part->import->context, cosines, values, count, out, &error);
+    return status == AIR_OK ? report_fit(part, at, out->lobe_count, error) : status;
+}
+
+/* {"type": "table", "cosines": [-1, ..., 1], "values": [...]} */
+static air_status read_table(const air_sidecar_part *part, const air_json *at,
+                             air_phase_mixture *out)
+{
+    static const char *const keys[] = {"type", "cosines", "values"};
+    const air_json cosines_at = air_json_get(at, "cosines");
+    const air_json values_at = air_json_get(at, "values");
+    const size_t count = air_json_count(&cosines_at);
+    double *cosines = NULL, *values = NULL;
+    air_status status = air_json_check_keys(at, keys, 3);
+    if (status == AIR_OK && count < 2)
+        status = air_json_expected(&cosines_at, "an array of at least 2 numbers");
+    if (status == AIR_OK && air_json_count(&values_at) != count)
+        status = air_json_expected(&values_at, "an array of %zu numbers, one per cosine", count);
+    if (status == AIR_OK)
+        status = read_numbers(&cosines_at, count, &cosines);
+    if (status == AIR_OK)
+        status = read_numbers(&values_at, count, &values);
+    if (status == AIR_OK)
+        status = fit_table(part, at, cosines, values, count, out);
+    air_free(part->import->context, values);
+    air_free(part->import->context, cosines);
+    return status;
+}
+
+/* ---- the whole ---- */
+
 /* {"type": ...} */
-static air_status read_object(const air_json *at, air_phase *out, air_phase_mixture *mixture)
+static air_status read_object(const air_sidecar_part *part, const air_json *at, air_phase *out,
+                              air_phase_mixture *mixture)
 {
     static const char *const keys[] = {"type", "g"};
     const air_json type_at = air_json_get(at, "type");
@@ -73,9 +153,12 @@ static air_status read_object(const air_json *at, air_phase *out, air_phase_mixt
         status = air_json_choice(&type_at, types, TYPES, &type);
     if (status != AIR_OK)
         return status;
-    *out = (air_phase){.kind = (air_phase_kind)type, .mixture = mixture};
-    if (out->kind == AIR_PHASE_MIXTURE)
+    *out = (air_phase){.kind = AIR_PHASE_MIXTURE, .mixture = mixture};
+    if (type == TABLE)
+        return read_table(part, at, mixture);
+    if (type == AIR_PHASE_MIXTURE)
         return read_mixture(at, mixture);
+    *out = (air_phase){.kind = (air_phase_kind)type};
     status = air_json_check_keys(at, keys, 2);
     return status == AIR_OK ? read_g(&g_at, out->kind, &out->g) : status;
 }
@@ -89,7 +172,7 @@ air_status air_sidecar_read_phase(const air_sidecar_part *part, air_medium_desc 
         if (g_at.value != NULL)
             return air_json_fail(&g_at, AIR_ERROR_FORMAT,
                                  "expected g inside the phase, where its type is");
-        return read_object(&at, &desc->phase, mixture);
+        return read_object(part, &at, &desc->phase, mixture);
     }
     size_t type = g_at.value != NULL ? AIR_PHASE_HG : AIR_PHASE_ISOTROPIC;
     const air_status status = air_json_choice(&at, types, LOBE_TYPES, &type);
