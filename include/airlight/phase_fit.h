@@ -20,7 +20,7 @@ extern "C" {
  * *out_error (may be NULL): the root of the integral above, the rms relative error as scattered
  * light meets it; at most about half of it of the light goes another way than the table says.
  * AIR_ERROR_ARGUMENT with a message to context (which may be NULL) if the table is not in order.
- * Thread-safe; a table of 1000 values takes some milliseconds. */
+ * Thread-safe; a table of 1000 values takes some tens of milliseconds at most. */
 AIR_API air_status air_phase_fit(air_context *context, const double *cosines, const double *values,
                                  size_t count, air_phase_mixture *out_mixture, double *out_error);
 
