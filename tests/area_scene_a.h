@@ -106,7 +106,8 @@ static inline double scene_tau(const area_scene *s, const scene_plan *plan, cons
         const double r = sqrt(scene_dot(wi, wi));
         const double cosine = wo != NULL ? -scene_dot(wo, wi) / r : wi[2] / r;
         const double value =
-            wo != NULL ? (double)phase_eval((air_phase){AIR_PHASE_HG, (float)s->g}, (float)cosine)
+            wo != NULL ? (double)phase_eval((air_phase){.kind = AIR_PHASE_HG, .g = (float)s->g},
+                                            (float)cosine)
                        : cosine;
         const double share = s->weights[fine][i] * value / (r * r * r);
         through += share * exp(-s->sigma * r);

@@ -75,7 +75,15 @@ static inline double fog_transmittance(const fog *f, int c, fog_vec o, fog_vec d
 static inline double fog_phase(air_phase phase, double cosine)
 {
     const double pi = 3.14159265358979323846, g = (double)phase.g;
+    double sum = 0.0;
     switch (phase.kind) {
+    case AIR_PHASE_MIXTURE:
+        for (size_t i = 0; i < phase.mixture->lobe_count; i++) {
+            const air_phase_lobe *lobe = &phase.mixture->lobes[i];
+            const air_phase single = {.kind = lobe->kind, .g = lobe->g};
+            sum += (double)lobe->weight * fog_phase(single, cosine);
+        }
+        return sum;
     case AIR_PHASE_HG:
         return (1.0 - g * g) / (4.0 * pi * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
     case AIR_PHASE_RAYLEIGH:

@@ -18,6 +18,7 @@ typedef struct sun_scene {
     bool camera_inside;
     int panels;   /* flat lamps: 1 in the haze, 2: also one that is not convex and has two sides */
     bool no_suns; /* only these */
+    bool mixture; /* the first medium's phase function is one of three lobes */
     bool matte;   /* surfaces reflect evenly, without highlights */
 } sun_scene;
 
@@ -123,8 +124,13 @@ static inline air_status sun_add_media(air_scene *scene, const sun_scene *s)
     medium.name = "haze";
     memcpy(medium.sigma_s, s->sigma_s, sizeof medium.sigma_s);
     memcpy(medium.sigma_a, s->sigma_a, sizeof medium.sigma_a);
-    medium.phase.kind = AIR_PHASE_HG;
+    static const air_phase_mixture mixture = {3,
+                                              {{AIR_PHASE_HG, 0.8f, 4.0f},
+                                               {AIR_PHASE_HG, -0.4f, 2.0f},
+                                               {AIR_PHASE_RAYLEIGH, 0.0f, 1.0f}}};
+    medium.phase.kind = s->mixture ? AIR_PHASE_MIXTURE : AIR_PHASE_HG;
     medium.phase.g = 0.4f;
+    medium.phase.mixture = &mixture;
     medium.boundary.kind = AIR_BOUNDARY_BOX;
     memcpy(medium.boundary.box_to_world, box, sizeof box);
     air_status status = air_scene_add_medium(scene, &medium, &handle);

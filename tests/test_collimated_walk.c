@@ -36,7 +36,7 @@ static void one_event_is_the_single_scattering_estimator(void **state)
         air_collimated_walk_params params = walk_in(&scene, 0.5);
         params.surroundings = (air_collimated_surroundings){NULL, NULL, NULL};
         params.max_events = 1;
-        params.phase = (air_phase){AIR_PHASE_HG, 0.6f};
+        params.phase = (air_phase){.kind = AIR_PHASE_HG, .g = 0.6f};
         params.distance = (air_collimated_distance)(n % 3);
         const double u = random_unit(&rng);
         number_list list = {&u, 0};
@@ -257,7 +257,7 @@ static void own_phase_functions_do_as_built_in_ones(void **state)
     (void)state;
     scene_direction(&scene, 60 * 256 + 40, dir);
     air_collimated_walk_params params = walk_in(&scene, 0.9);
-    params.phase = (air_phase){AIR_PHASE_HG, (float)g};
+    params.phase = (air_phase){.kind = AIR_PHASE_HG, .g = (float)g};
     for (uint32_t seed = 0; seed < WALKS; seed++) {
         air_rng one = air_rng_from_keys(seed, 9), two = one;
         params.own_phase = NULL;
@@ -301,7 +301,7 @@ static void directions_follow_the_phase_function(void **state)
         double observed[BINS] = {0.0}, expected[BINS];
         direction_watch watch;
         air_collimated_walk_params params = walk_in(&scene, 1.0);
-        params.phase = (air_phase){AIR_PHASE_HG, mean_cosines[k]};
+        params.phase = (air_phase){.kind = AIR_PHASE_HG, .g = mean_cosines[k]};
         params.max_events = 2;
         params.surroundings = (air_collimated_surroundings){watch_direction, NULL, &watch};
         double dir[3], side[3], up[3];
@@ -341,8 +341,8 @@ static void parameters_out_of_range_are_named(void **state)
     assert_int_equal(air_context_create(NULL, &context), AIR_OK);
     const air_collimated_walk_params good = walk_in(&scene, 1.0);
     assert_int_equal(air_collimated_walk_check(context, &good), AIR_OK);
-    air_collimated_walk_params bad[8];
-    for (int i = 0; i < 8; i++) {
+    air_collimated_walk_params bad[9];
+    for (int i = 0; i < 9; i++) {
         bad[i] = good;
     }
     bad[0].medium = NULL;
@@ -352,10 +352,12 @@ static void parameters_out_of_range_are_named(void **state)
     bad[4].irradiance = -1.0;
     bad[5].distance = AIR_COLLIMATED_DISTANCE_COUNT;
     bad[6].roulette = NAN;
-    bad[7].phase = (air_phase){AIR_PHASE_HG, 1.0f};
-    static const char *const named[8] = {"medium",     "to_light", "sigma_t",  "sigma_s",
-                                         "irradiance", "distance", "roulette", "g must"};
-    for (int i = 0; i < 8; i++) {
+    bad[7].phase = (air_phase){.kind = AIR_PHASE_HG, .g = 1.0f};
+    const air_phase_mixture half = {1, {{AIR_PHASE_ISOTROPIC, 0.0f, 0.5f}}};
+    bad[8].phase = (air_phase){.kind = AIR_PHASE_MIXTURE, .mixture = &half};
+    static const char *const named[9] = {"medium",   "to_light", "sigma_t", "sigma_s", "irradiance",
+                                         "distance", "roulette", "g must",  "sum to 1"};
+    for (int i = 0; i < 9; i++) {
         assert_int_equal(air_collimated_walk_check(context, &bad[i]), AIR_ERROR_ARGUMENT);
         assert_non_null(strstr(air_context_last_error(context), named[i]));
     }

@@ -46,7 +46,7 @@ static void phase_functions_are_normalised_with_mean_cosine_g(void **state)
 {
     (void)state;
     for (int i = 0; i < G_COUNT; ++i) {
-        const air_phase phase = {AIR_PHASE_HG, g_values[i]};
+        const air_phase phase = {.kind = AIR_PHASE_HG, .g = g_values[i]};
         /* A cosine next to 1 is rounded by up to 2^-25; over a lobe of width (1-|g|)^2 that changes
          * the value by the ratio of the two at most, and averages out beyond it. */
         const double lobe = 1.0 - fabs((double)g_values[i]);
@@ -55,12 +55,70 @@ static void phase_functions_are_normalised_with_mean_cosine_g(void **state)
         assert_true(fabs(moment(phase, 1) - (double)g_values[i]) < tolerance);
     }
     for (air_phase_kind kind = AIR_PHASE_ISOTROPIC; kind <= AIR_PHASE_RAYLEIGH; kind += 2) {
-        const air_phase phase = {kind, 0.7f}; /* g is ignored */
+        const air_phase phase = {.kind = kind, .g = 0.7f}; /* g is ignored */
         assert_true(fabs(moment(phase, 0) - 1.0) < 1e-6);
         assert_true(fabs(moment(phase, 1)) < 1e-6);
     }
     /* The second moment tells Rayleigh (2/5) from isotropic (1/3). */
-    assert_true(fabs(moment((air_phase){AIR_PHASE_RAYLEIGH, 0.0f}, 2) - 0.4) < 1e-6);
+    assert_true(fabs(moment((air_phase){.kind = AIR_PHASE_RAYLEIGH}, 2) - 0.4) < 1e-6);
+}
+
+/* Lobes that overlap and lobes far apart; weights that sum to 1. */
+static const air_phase_mixture mixtures[] = {
+    {2, {{AIR_PHASE_HG, 0.8f, 0.7f}, {AIR_PHASE_ISOTROPIC, 0.0f, 0.3f}}},
+    {3,
+     {{AIR_PHASE_RAYLEIGH, 0.0f, 0.125f},
+      {AIR_PHASE_HG, 0.9f, 0.5f},
+      {AIR_PHASE_HG, -0.6f, 0.375f}}},
+    {8,
+     {{AIR_PHASE_HG, 0.95f, 0.125f},
+      {AIR_PHASE_HG, 0.7f, 0.125f},
+      {AIR_PHASE_HG, 0.4f, 0.125f},
+      {AIR_PHASE_ISOTROPIC, 0.0f, 0.125f},
+      {AIR_PHASE_RAYLEIGH, 0.0f, 0.125f},
+      {AIR_PHASE_HG, -0.4f, 0.125f},
+      {AIR_PHASE_HG, -0.7f, 0.125f},
+      {AIR_PHASE_HG, -0.95f, 0.125f}}},
+};
+enum { MIXTURES = sizeof mixtures / sizeof mixtures[0] };
+
+static air_phase mixture_phase(int i)
+{
+    return (air_phase){.kind = AIR_PHASE_MIXTURE, .mixture = &mixtures[i]};
+}
+
+/* Tolerance: weights and values are floats, 8 terms of relative error 1e-7 each, and the quadrature
+ * is good to 1e-6 for single lobes. */
+static void mixtures_have_the_moments_of_their_lobes(void **state)
+{
+    (void)state;
+    for (int i = 0; i < MIXTURES; ++i) {
+        double mean_cosine = 0.0;
+        for (size_t k = 0; k < mixtures[i].lobe_count; ++k) {
+            mean_cosine += (double)mixtures[i].lobes[k].weight * (double)mixtures[i].lobes[k].g;
+        }
+        assert_true(fabs(moment(mixture_phase(i), 0) - 1.0) < 3e-6);
+        assert_true(fabs(moment(mixture_phase(i), 1) - mean_cosine) < 3e-6);
+    }
+}
+
+static void preparing_normalises_and_drops_what_has_no_weight(void **state)
+{
+    (void)state;
+    const air_phase_mixture given = {3,
+                                     {{AIR_PHASE_ISOTROPIC, 0.3f, 6.0f},
+                                      {AIR_PHASE_RAYLEIGH, 0.0f, 0.0f},
+                                      {AIR_PHASE_HG, 0.5f, 2.0f}}};
+    const air_phase_mixture single = {2, {{AIR_PHASE_HG, 0.9f, 0.0f}, {AIR_PHASE_HG, 0.25f, 3.0f}}};
+    air_phase_mixture own;
+    air_phase got = phase_prepare((air_phase){.kind = AIR_PHASE_MIXTURE, .mixture = &given}, &own);
+    assert_ptr_equal(got.mixture, &own);
+    assert_int_equal(own.lobe_count, 2);
+    assert_true(own.lobes[0].weight == 0.75f && own.lobes[0].g == 0.0f);
+    assert_true(own.lobes[1].weight == 0.25f && own.lobes[1].g == 0.5f);
+    got = phase_prepare((air_phase){.kind = AIR_PHASE_MIXTURE, .mixture = &single}, &own);
+    assert_int_equal(got.kind, AIR_PHASE_HG);
+    assert_true(got.g == 0.25f);
 }
 
 static void hg_keeps_its_digits_in_the_peak(void **state)
@@ -125,6 +183,15 @@ static double one_minus_cos_between(air_vec3 a, air_vec3 b)
 /* The share of directions with 1 - cos below h. */
 static double distribution(air_phase phase, double h)
 {
+    if (phase.kind == AIR_PHASE_MIXTURE) {
+        double sum = 0.0;
+        for (size_t i = 0; i < phase.mixture->lobe_count; ++i) {
+            const air_phase_lobe *lobe = &phase.mixture->lobes[i];
+            sum += (double)lobe->weight *
+                   distribution((air_phase){.kind = lobe->kind, .g = lobe->g}, h);
+        }
+        return sum;
+    }
     const double c = 1.0 - h, g = (double)phase.g;
     if (phase.kind == AIR_PHASE_RAYLEIGH) {
         return 1.0 - (c * c * c + 3.0 * c + 4.0) / 8.0;
@@ -167,12 +234,15 @@ static void samples_follow_the_phase_function(void **state)
     const air_vec3 axes[] = {{0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, -1.0f}, {0.48f, -0.6f, 0.64f}};
     for (uint32_t a = 0; a < 3; ++a) {
         for (uint32_t i = 0; i < G_COUNT; ++i) {
-            const air_phase phase = {AIR_PHASE_HG, g_values[i]};
+            const air_phase phase = {.kind = AIR_PHASE_HG, .g = g_values[i]};
             /* A right sampler fails at one seed in a thousand; the seeds are fixed. */
             assert_true(sampler_p(phase, axes[a], i) > 1e-3);
         }
-        assert_true(sampler_p((air_phase){AIR_PHASE_ISOTROPIC, 0.0f}, axes[a], 50) > 1e-3);
-        assert_true(sampler_p((air_phase){AIR_PHASE_RAYLEIGH, 0.0f}, axes[a], 51) > 1e-3);
+        assert_true(sampler_p((air_phase){.kind = AIR_PHASE_ISOTROPIC}, axes[a], 50) > 1e-3);
+        assert_true(sampler_p((air_phase){.kind = AIR_PHASE_RAYLEIGH}, axes[a], 51) > 1e-3);
+        for (int i = 0; i < MIXTURES; ++i) {
+            assert_true(sampler_p(mixture_phase(i), axes[a], (uint32_t)(60 + i)) > 1e-3);
+        }
     }
 }
 
@@ -181,7 +251,9 @@ static void the_pdf_of_a_sample_is_the_phase_function_there(void **state)
     (void)state;
     air_rng rng = air_rng_from_keys(13, 14);
     for (int i = 0; i < 100000; ++i) {
-        const air_phase phase = {(air_phase_kind)(i % 3), 1.9f * air_rng_float(&rng) - 0.95f};
+        const air_phase single = {.kind = (air_phase_kind)(i % 4),
+                                  .g = 1.9f * air_rng_float(&rng) - 0.95f};
+        const air_phase phase = i % 4 == 3 ? mixture_phase(i / 4 % MIXTURES) : single;
         const air_vec3 axis = sample_sphere(air_rng_float(&rng), air_rng_float(&rng));
         float pdf = 0.0f;
         const air_vec3 d =
@@ -199,7 +271,7 @@ static void extreme_numbers_give_the_ends_of_the_range(void **state)
     const float last = 1.0f - 0x1p-24f;
     for (int i = 0; i < G_COUNT; ++i) {
         for (int kind = AIR_PHASE_ISOTROPIC; kind <= AIR_PHASE_RAYLEIGH; ++kind) {
-            const air_phase phase = {(air_phase_kind)kind, g_values[i]};
+            const air_phase phase = {.kind = (air_phase_kind)kind, .g = g_values[i]};
             const air_phase_angle back = phase_sample_angle(phase, 0.0f);
             const air_phase_angle forth = phase_sample_angle(phase, last);
             assert_true(back.one_plus_cos >= 0.0f && back.one_plus_cos < 1e-6f);
@@ -209,16 +281,37 @@ static void extreme_numbers_give_the_ends_of_the_range(void **state)
     }
 }
 
+/* The number that chose a lobe is stretched over all of it: both ends of every lobe are reached. */
+static void extreme_numbers_of_mixtures_stay_in_range(void **state)
+{
+    (void)state;
+    for (int i = 0; i < MIXTURES; ++i) {
+        float edge = 0.0f;
+        for (size_t k = 0; k < mixtures[i].lobe_count; ++k) {
+            edge += mixtures[i].lobes[k].weight;
+            const float numbers[3] = {edge * (1.0f - 0x1p-24f), fminf(edge, 1.0f - 0x1p-24f), 0.0f};
+            for (int n = 0; n < 3; ++n) {
+                const air_phase_angle got = phase_sample_angle(mixture_phase(i), numbers[n]);
+                assert_true(got.one_minus_cos >= 0.0f && got.one_plus_cos >= 0.0f);
+                assert_true(fabsf(got.one_minus_cos + got.one_plus_cos - 2.0f) < 1e-6f);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(phase_functions_are_normalised_with_mean_cosine_g),
+        cmocka_unit_test(mixtures_have_the_moments_of_their_lobes),
+        cmocka_unit_test(preparing_normalises_and_drops_what_has_no_weight),
         cmocka_unit_test(hg_keeps_its_digits_in_the_peak),
         cmocka_unit_test(cosines_beyond_one_by_rounding_stay_finite),
         cmocka_unit_test(hg_inversion_matches_the_textbook_form),
         cmocka_unit_test(samples_follow_the_phase_function),
         cmocka_unit_test(the_pdf_of_a_sample_is_the_phase_function_there),
         cmocka_unit_test(extreme_numbers_give_the_ends_of_the_range),
+        cmocka_unit_test(extreme_numbers_of_mixtures_stay_in_range),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -62,7 +62,7 @@ static void add_room(air_scene *scene)
     air_medium_desc_default(&haze);
     haze.name = "haze";
     haze.sigma_s[2] = 0.1f;
-    haze.phase = (air_phase){AIR_PHASE_HG, 0.3f};
+    haze.phase = (air_phase){.kind = AIR_PHASE_HG, .g = 0.3f};
     haze.boundary.kind = AIR_BOUNDARY_BOX;
     const float box[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 5};
     memcpy(haze.boundary.box_to_world, box, sizeof box);
@@ -182,10 +182,37 @@ static void a_buffer_that_is_too_small_is_left_alone(void **state)
     air_context_destroy(context);
 }
 
+static void lobes_of_mixtures_are_described(void **state)
+{
+    static const air_phase_mixture mixture = {
+        2, {{AIR_PHASE_HG, 0.8f, 3.0f}, {AIR_PHASE_RAYLEIGH, 0.0f, 1.0f}}};
+    air_context *context = fixture_context();
+    air_scene *scene = fixture_scene(context);
+    air_medium_desc haze;
+    air_handle handle;
+    (void)state;
+    air_medium_desc_default(&haze);
+    haze.sigma_s[0] = 0.1f;
+    haze.phase = (air_phase){.kind = AIR_PHASE_MIXTURE, .mixture = &mixture};
+    assert_int_equal(air_scene_add_medium(scene, &haze, &handle), AIR_OK);
+    json_t *root = describe(scene);
+    const json_t *phase = member(root, "media", 0, "phase");
+    assert_string_equal(json_string_value(json_object_get(phase, "kind")), "mixture");
+    assert_int_equal(json_array_size(json_object_get(phase, "lobes")), 2);
+    assert_text(phase, "lobes", 0, "kind", "hg");
+    assert_true(json_number_value(member(phase, "lobes", 0, "g")) == 0.8);
+    assert_true(json_number_value(member(phase, "lobes", 0, "weight")) == 0.75);
+    assert_text(phase, "lobes", 1, "kind", "rayleigh");
+    json_decref(root);
+    air_scene_destroy(scene);
+    air_context_destroy(context);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(everything_in_a_scene_is_described),
+        cmocka_unit_test(lobes_of_mixtures_are_described),
         cmocka_unit_test(every_light_medium_and_term_has_an_owner),
         cmocka_unit_test(an_empty_scene_has_no_bounds),
         cmocka_unit_test(names_that_are_not_utf8_are_shown_as_far_as_they_can),

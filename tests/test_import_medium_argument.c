@@ -176,6 +176,34 @@ static void errors_quote_the_argument_and_the_column(void **state)
     import_finish(&f.base);
 }
 
+static void long_arguments_are_quoted_by_their_beginning(void **state)
+{
+    (void)state;
+    argument_fixture f;
+    char argument[1200] = "{\"sigma_s\":1,\"phase\":{\"type\":\"table\",\"cosines\":[-1", line[512];
+    start(&f);
+    for (int i = 0; i < 100; ++i)
+        snprintf(argument + strlen(argument), sizeof argument - strlen(argument), ",%d", i);
+    snprintf(argument + strlen(argument), sizeof argument - strlen(argument), "]}}");
+    snprintf(line, sizeof line,
+             "--medium \"%.200s...\": $.phase.values: expected an array of 101 numbers, one per "
+             "cosine, found nothing",
+             argument);
+    f.media[0] = argument;
+    import_refuses(&f.base, EMPTY, AIR_ERROR_FORMAT, line);
+    /* Not in the middle of a character: 199 bytes, then one of two bytes. */
+    char text[400] = "name=";
+    memset(text + 5, 'x', 194);
+    snprintf(text + 199, sizeof text - 199, "\xc3\xa4,sigma_q=1");
+    snprintf(line, sizeof line,
+             "--medium \"%.199s...\": column 203: \"sigma_q\": unknown option; did you mean "
+             "\"sigma_s\"?",
+             text);
+    f.media[0] = text;
+    import_refuses(&f.base, EMPTY, AIR_ERROR_ARGUMENT, line);
+    import_finish(&f.base);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -184,6 +212,7 @@ int main(void)
         cmocka_unit_test(a_visibility_is_a_length),
         cmocka_unit_test(every_option_says_what_its_key_says),
         cmocka_unit_test(errors_quote_the_argument_and_the_column),
+        cmocka_unit_test(long_arguments_are_quoted_by_their_beginning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

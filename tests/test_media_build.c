@@ -73,7 +73,7 @@ static void test_coefficients_out_of_range_are_refused(void **state)
     static const float g[] = {1.0f, -1.0f, 2.0f, NAN};
     for (int i = 0; i < 4; i++) {
         air_medium_desc desc = haze();
-        desc.phase = (air_phase){AIR_PHASE_HG, g[i]};
+        desc.phase = (air_phase){.kind = AIR_PHASE_HG, .g = g[i]};
         expect_refused(*state, &desc, "phase.g is ");
         desc.phase.kind = AIR_PHASE_ISOTROPIC; /* which does not look at g */
         assert_int_equal(air_medium_check(((memory_file *)*state)->context, &desc), AIR_OK);
@@ -84,6 +84,56 @@ static void test_coefficients_out_of_range_are_refused(void **state)
     desc = haze();
     desc.combine = (air_combine)2;
     expect_refused(*state, &desc, "combine is 2");
+}
+
+/* A description with a mixture in *mixture that is in order but for what the caller spoils. */
+static air_medium_desc mixed_haze(air_phase_mixture *mixture)
+{
+    air_medium_desc desc = haze();
+    *mixture =
+        (air_phase_mixture){2, {{AIR_PHASE_HG, 0.8f, 3.0f}, {AIR_PHASE_ISOTROPIC, 0.0f, 1.0f}}};
+    desc.phase = (air_phase){.kind = AIR_PHASE_MIXTURE, .mixture = mixture};
+    return desc;
+}
+
+static void test_mixtures_out_of_range_are_refused(void **state)
+{
+    air_phase_mixture mixture;
+    air_medium_desc desc = mixed_haze(&mixture);
+    mixture.lobe_count = 0;
+    expect_refused(*state, &desc, "phase mixture: lobe_count is 0, but must be in 1..8");
+    mixture.lobe_count = 9;
+    expect_refused(*state, &desc, "phase mixture: lobe_count is 9");
+    desc = mixed_haze(&mixture);
+    mixture.lobes[1].kind = AIR_PHASE_MIXTURE;
+    expect_refused(*state, &desc, "phase mixture: lobes[1].kind must be in 0..2");
+    desc = mixed_haze(&mixture);
+    mixture.lobes[0].g = -1.0f;
+    expect_refused(*state, &desc, "phase mixture: lobes[0].g must be between -1 and 1");
+    static const float bad[] = {-0.1f, NAN, INFINITY};
+    for (int i = 0; i < 3; i++) {
+        desc = mixed_haze(&mixture);
+        mixture.lobes[1].weight = bad[i];
+        expect_refused(*state, &desc, "phase mixture: lobes[1].weight must be finite");
+    }
+    mixture.lobes[0].weight = mixture.lobes[1].weight = 0.0f;
+    expect_refused(*state, &desc, "phase mixture: the weights of the lobes sum to 0");
+    desc.phase.mixture = NULL;
+    expect_refused(*state, &desc, "phase mixture: mixture must not be NULL");
+}
+
+static void test_media_own_their_mixtures(void **state)
+{
+    memory_file *files = *state;
+    air_phase_mixture mixture;
+    const air_medium_desc desc = mixed_haze(&mixture);
+    air_media media = build(files, &desc, 1);
+    mixture.lobe_count = 0;
+    const air_medium *medium = &media.media[0];
+    assert_ptr_equal(medium->phase.mixture, &medium->mixture);
+    assert_int_equal(medium->mixture.lobe_count, 2);
+    assert_true(medium->mixture.lobes[0].weight == 0.75f);
+    air_media_finish(files->context, &media);
 }
 
 static void test_densities_out_of_range_are_refused(void **state)
@@ -413,6 +463,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(test_coefficients_out_of_range_are_refused),
+        TEST(test_mixtures_out_of_range_are_refused),
+        TEST(test_media_own_their_mixtures),
         TEST(test_densities_out_of_range_are_refused),
         TEST(test_boundaries_without_an_inside_are_refused),
         TEST(test_a_box_region_is_the_image_of_the_cube),

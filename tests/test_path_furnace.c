@@ -71,6 +71,22 @@ static void a_rayleigh_convex_body_is_invisible(void **state)
     assert_invisible(scene, 512);
 }
 
+static void a_mixture_of_forward_backward_and_rayleigh_is_invisible(void **state)
+{
+    static const air_phase_mixture mixture = {3,
+                                              {{AIR_PHASE_HG, 0.85f, 5.0f},
+                                               {AIR_PHASE_HG, -0.5f, 2.0f},
+                                               {AIR_PHASE_RAYLEIGH, 0.0f, 1.0f}}};
+    air_scene *scene = furnace(state);
+    air_medium_desc medium = white_box(0.5f, 1.0f, 2.0f), haze = white_box(0.3f, 0.3f, 0.3f);
+    medium.phase = (air_phase){.kind = AIR_PHASE_MIXTURE, .mixture = &mixture};
+    haze.phase.kind = AIR_PHASE_HG;
+    haze.phase.g = 0.5f;
+    add_medium(scene, &medium);
+    add_medium(scene, &haze);
+    assert_invisible(scene, 2048);
+}
+
 /* An L of six faces: closed, not convex. */
 static void a_concave_mesh_is_invisible(void **state)
 {
@@ -193,6 +209,7 @@ int main(void)
         cmocka_unit_test(a_homogeneous_box_is_invisible),
         cmocka_unit_test(a_chromatic_forward_box_is_invisible),
         cmocka_unit_test(a_rayleigh_convex_body_is_invisible),
+        cmocka_unit_test(a_mixture_of_forward_backward_and_rayleigh_is_invisible),
         cmocka_unit_test(a_concave_mesh_is_invisible),
         cmocka_unit_test(height_fog_is_invisible),
         cmocka_unit_test(layered_fog_is_invisible),

@@ -7,19 +7,43 @@
 #include "path_scene.h"
 
 static const fog_box grey_hg[1] = {
-    {{-1, -1, -1}, {1, 1, 1}, {0.8, 0.8, 0.8}, {0.1, 0.1, 0.1}, {AIR_PHASE_HG, 0.7f}}};
-static const fog_box coloured_hg[1] = {
-    {{-1, -1, -1}, {1, 1, 1}, {0.3, 0.9, 1.8}, {0.2, 0.0, 0.1}, {AIR_PHASE_HG, -0.5f}}};
-static const fog_box rayleigh[1] = {
-    {{-1, -1, -1}, {1, 1, 1}, {0.2, 0.5, 1.2}, {0.0, 0.0, 0.0}, {AIR_PHASE_RAYLEIGH, 0.0f}}};
+    {{-1, -1, -1}, {1, 1, 1}, {0.8, 0.8, 0.8}, {0.1, 0.1, 0.1}, {.kind = AIR_PHASE_HG, .g = 0.7f}}};
+static const fog_box coloured_hg[1] = {{{-1, -1, -1},
+                                        {1, 1, 1},
+                                        {0.3, 0.9, 1.8},
+                                        {0.2, 0.0, 0.1},
+                                        {.kind = AIR_PHASE_HG, .g = -0.5f}}};
+static const fog_box rayleigh[1] = {{{-1, -1, -1},
+                                     {1, 1, 1},
+                                     {0.2, 0.5, 1.2},
+                                     {0.0, 0.0, 0.0},
+                                     {.kind = AIR_PHASE_RAYLEIGH, .g = 0.0f}}};
+static const air_phase_mixture three_lobes = {
+    3,
+    {{AIR_PHASE_HG, 0.75f, 0.5f}, {AIR_PHASE_HG, -0.5f, 0.25f}, {AIR_PHASE_RAYLEIGH, 0.0f, 0.25f}}};
+static const fog_box mixed[1] = {{{-1, -1, -1},
+                                  {1, 1, 1},
+                                  {0.3, 0.9, 1.8},
+                                  {0.2, 0.0, 0.1},
+                                  {.kind = AIR_PHASE_MIXTURE, .mixture = &three_lobes}}};
 /* Three that overlap in part, each with a phase function of its own. */
 static const fog_box several[3] = {
-    {{-1, -1, -1}, {1, 1, 1}, {0.3, 0.9, 1.8}, {0.2, 0.0, 0.1}, {AIR_PHASE_HG, 0.8f}},
-    {{-0.5, -0.5, -2}, {1.5, 0.5, 2}, {0.9, 0.2, 0.1}, {0.0, 0.3, 0.1}, {AIR_PHASE_HG, -0.3f}},
-    {{-0.7, -1.5, -0.7}, {0.2, 1.5, 0.7}, {0.3, 0.3, 0.3}, {0, 0, 0}, {AIR_PHASE_ISOTROPIC, 0}}};
+    {{-1, -1, -1}, {1, 1, 1}, {0.3, 0.9, 1.8}, {0.2, 0.0, 0.1}, {.kind = AIR_PHASE_HG, .g = 0.8f}},
+    {{-0.5, -0.5, -2},
+     {1.5, 0.5, 2},
+     {0.9, 0.2, 0.1},
+     {0.0, 0.3, 0.1},
+     {.kind = AIR_PHASE_HG, .g = -0.3f}},
+    {{-0.7, -1.5, -0.7},
+     {0.2, 1.5, 0.7},
+     {0.3, 0.3, 0.3},
+     {0, 0, 0},
+     {.kind = AIR_PHASE_ISOTROPIC, .g = 0}}};
 
-static const fog fogs[4] = {{grey_hg, 1}, {coloured_hg, 1}, {rayleigh, 1}, {several, 3}};
-static const char *const fog_names[4] = {"grey HG", "coloured HG", "Rayleigh", "several media"};
+static const fog fogs[5] = {
+    {grey_hg, 1}, {coloured_hg, 1}, {rayleigh, 1}, {mixed, 1}, {several, 3}};
+static const char *const fog_names[5] = {"grey HG", "coloured HG", "Rayleigh", "a mixture",
+                                         "several media"};
 
 /* From outside, and from within. */
 static const float rays[2][6] = {{-3, 0.35f, 0.4f, 1, -0.15f, -0.1f},
@@ -152,7 +176,7 @@ static void compare(void **state, make_scene *make, fog_source *source, const vo
  * add up. */
 static void compare_delta(void **state, const delta_light *light)
 {
-    compare(state, delta_scene, scatter_delta, light, 4, 20000, 1e-4);
+    compare(state, delta_scene, scatter_delta, light, 5, 20000, 1e-4);
 }
 
 static delta_light make_light(air_light_kind kind)
@@ -272,8 +296,8 @@ static double scatter_panel(const void *user, const fog *f, int c, fog_vec x, fo
 static void polygon_light(void **state)
 {
     const bool visible = true, hidden = false;
-    compare(state, panel_scene, scatter_panel, &visible, 4, 100, 1e-4);
-    compare(state, panel_scene, scatter_panel, &hidden, 4, 100, 1e-4);
+    compare(state, panel_scene, scatter_panel, &visible, 5, 100, 1e-4);
+    compare(state, panel_scene, scatter_panel, &hidden, 5, 100, 1e-4);
 }
 
 static air_snapshot *sky_scene(void **state, const fog *f, const void *user)
@@ -312,7 +336,7 @@ static double scatter_sky(const void *user, const fog *f, int c, fog_vec x, fog_
  * 5e-4, which is what three times the directions change. */
 static void environment(void **state)
 {
-    compare(state, sky_scene, scatter_sky, NULL, 3, 300, 1e-3);
+    compare(state, sky_scene, scatter_sky, NULL, 4, 300, 1e-3);
 }
 
 int main(void)

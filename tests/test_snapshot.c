@@ -159,7 +159,17 @@ static void each_edit_is_dirty_in_its_own_way(void **state)
     s.lamp_desc.position[1] = 1.0f;
     assert_int_equal(air_scene_set_light(s.scene, s.lamp, &s.lamp_desc), AIR_OK);
     assert_int_equal(fixture_dirty(s.scene), AIR_DIRTY_LIGHT);
-    s.haze_desc.phase = (air_phase){AIR_PHASE_HG, 0.5f};
+    s.haze_desc.phase = (air_phase){.kind = AIR_PHASE_HG, .g = 0.5f};
+    assert_int_equal(air_scene_set_medium(s.scene, s.haze, &s.haze_desc), AIR_OK);
+    assert_int_equal(fixture_dirty(s.scene), AIR_DIRTY_MEDIUM);
+    air_phase_mixture mixture = {2,
+                                 {{AIR_PHASE_HG, 0.5f, 1.0f}, {AIR_PHASE_ISOTROPIC, 0.0f, 1.0f}}};
+    s.haze_desc.phase = (air_phase){.kind = AIR_PHASE_MIXTURE, .mixture = &mixture};
+    assert_int_equal(air_scene_set_medium(s.scene, s.haze, &s.haze_desc), AIR_OK);
+    assert_int_equal(fixture_dirty(s.scene), AIR_DIRTY_MEDIUM);
+    assert_int_equal(air_scene_set_medium(s.scene, s.haze, &s.haze_desc), AIR_OK);
+    assert_int_equal(fixture_dirty(s.scene), 0);
+    mixture.lobes[1].weight = 2.0f;
     assert_int_equal(air_scene_set_medium(s.scene, s.haze, &s.haze_desc), AIR_OK);
     assert_int_equal(fixture_dirty(s.scene), AIR_DIRTY_MEDIUM);
 

@@ -15,6 +15,7 @@ static sun_scene lamp_scene(int number)
     s.second_medium = number == 3;
     s.third_medium = number == 3;
     s.coverage = number == 4;
+    s.mixture = number == 6;
     if (number == 1) {
         room_set3(s.sigma_s, 0.2f, 0.5f, 1.2f);
     }
@@ -24,7 +25,7 @@ static sun_scene lamp_scene(int number)
     }
     return s;
 }
-enum { SCENES = 6 };
+enum { SCENES = 7 };
 
 static void owners_are_as_asked_for(void **state)
 {

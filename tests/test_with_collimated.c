@@ -95,8 +95,9 @@ static sun_scene scene_number(int i)
     s.coverage = i == 3 || i == 4;
     s.lamp = i == 2;
     s.camera_inside = i == 1 || i == 5;
-    s.second_medium = i == 5 || i == 6;
+    s.second_medium = i >= 5;
     s.third_medium = i == 6;
+    s.mixture = i == 7;
     if (i == 4 || i == 3) {
         room_set3(s.sigma_s, 0.2f, 0.5f, 1.2f);
     }
@@ -106,7 +107,7 @@ static sun_scene scene_number(int i)
     return s;
 }
 
-enum { SCENES = 7 };
+enum { SCENES = 8 };
 
 static void every_mode_has_the_expectation_of_path(void **state)
 {

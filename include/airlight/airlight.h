@@ -15,6 +15,7 @@
 #include "airlight/light.h"
 #include "airlight/medium.h"
 #include "airlight/moment.h"
+#include "airlight/phase_fit.h"
 #include "airlight/point.h"
 #include "airlight/render.h"
 #include "airlight/scene.h"

@@ -27,17 +27,32 @@ enum { AIR_MAX_MEDIA = 64, AIR_MAX_PLANES = 32, AIR_MAX_LAYERS = 32 };
 
 typedef enum air_phase_kind {
     AIR_PHASE_ISOTROPIC = 0,
-    AIR_PHASE_HG = 1,      /* Henyey-Greenstein, g in (-1, 1), g > 0 forward */
-    AIR_PHASE_RAYLEIGH = 2 /* 3/(16 pi) (1 + cos^2) */
+    AIR_PHASE_HG = 1,       /* Henyey-Greenstein, g in (-1, 1), g > 0 forward */
+    AIR_PHASE_RAYLEIGH = 2, /* 3/(16 pi) (1 + cos^2) */
+    AIR_PHASE_MIXTURE = 3   /* a weighted sum of the others */
 } air_phase_kind;
+
+enum { AIR_PHASE_MAX_LOBES = 8 };
+
+typedef struct air_phase_lobe {
+    air_phase_kind kind; /* any but AIR_PHASE_MIXTURE */
+    float g;             /* as in air_phase */
+    float weight;        /* finite, >= 0 */
+} air_phase_lobe;
+
+typedef struct air_phase_mixture {
+    size_t lobe_count; /* 1..AIR_PHASE_MAX_LOBES */
+    air_phase_lobe lobes[AIR_PHASE_MAX_LOBES];
+} air_phase_mixture;
 
 typedef struct air_phase {
     air_phase_kind kind;
-    float g; /* mean cosine; used by AIR_PHASE_HG only */
+    float g;                          /* mean cosine; used by AIR_PHASE_HG only */
+    const air_phase_mixture *mixture; /* borrowed; used by AIR_PHASE_MIXTURE only */
 } air_phase;
 
 /* Phase value in 1/sr. cos_theta is the cosine between the directions of travel before and after.
- */
+ * The weights of a mixture must sum to 1. Thread-safe. */
 AIR_API float air_phase_eval(air_phase phase, float cos_theta);
 
 typedef enum air_boundary_kind {
@@ -88,7 +103,8 @@ typedef struct air_medium_desc {
     float sigma_s[3];  /* 1/m, >= 0, finite */
     float sigma_a[3];  /* 1/m, >= 0, finite */
     float emission[3]; /* emitted radiance per metre at density 1, W/(m^3 sr), >= 0 */
-    air_phase phase;
+    air_phase
+        phase; /* a mixture is copied; its weights may have any sum > 0 and are divided by it */
     air_density density;
     air_boundary boundary;
     air_combine combine;

@@ -11,10 +11,29 @@ void air_collimated_walk_params_default(air_collimated_walk_params *params)
 {
     *params = (air_collimated_walk_params){.to_light = {0.0, 1.0, 0.0},
                                            .irradiance = 1.0,
-                                           .phase = {AIR_PHASE_ISOTROPIC, 0.0f},
+                                           .phase = {.kind = AIR_PHASE_ISOTROPIC},
                                            .distance = AIR_COLLIMATED_DISTANCE_MIXTURE,
                                            .max_events = 64,
                                            .roulette = 0.25};
+}
+
+static const char *phase_fault(const air_phase *phase)
+{
+    char buffer[64];
+    if (phase->kind == AIR_PHASE_HG && !(fabsf(phase->g) < 1.0f)) {
+        return "g must lie between -1 and 1";
+    }
+    if (phase->kind != AIR_PHASE_MIXTURE) {
+        return NULL;
+    }
+    double sum = 0.0;
+    if (phase_mixture_fault(phase->mixture, buffer) != NULL) {
+        return "a lobe of the mixture is out of range, or there are too few or too many";
+    }
+    for (size_t i = 0; i < phase->mixture->lobe_count; i++) {
+        sum += (double)phase->mixture->lobes[i].weight;
+    }
+    return fabs(sum - 1.0) < 1e-5 ? NULL : "the weights of the mixture do not sum to 1";
 }
 
 air_status air_collimated_walk_check(air_context *context, const air_collimated_walk_params *params)
@@ -35,9 +54,8 @@ air_status air_collimated_walk_check(air_context *context, const air_collimated_
         wrong = "unknown way to draw distances";
     } else if (!(params->roulette >= 0.0 && params->roulette < INFINITY)) {
         wrong = "roulette must be finite and at least 0";
-    } else if (params->own_phase == NULL && params->phase.kind == AIR_PHASE_HG &&
-               !(fabsf(params->phase.g) < 1.0f)) {
-        wrong = "g must lie between -1 and 1";
+    } else if (params->own_phase == NULL) {
+        wrong = phase_fault(&params->phase);
     }
     return wrong == NULL ? AIR_OK
                          : air_fail(context, AIR_ERROR_ARGUMENT, "collimated walk: %s", wrong);

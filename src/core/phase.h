@@ -18,6 +18,25 @@ static inline float phase_eval_hg(float g, float cos_theta)
     return (1.0f - a) * (1.0f + a) / (4.0f * AIR_PI_F * d * sqrtf(d));
 }
 
+/* A direction given by 1 - cos and 1 + cos, both kept so that neither peak loses digits. */
+typedef struct air_phase_angle {
+    float one_minus_cos, one_plus_cos;
+} air_phase_angle;
+
+/* phase_eval and phase_sample_angle of mixtures whose weights sum to 1; out of line, so that what
+ * the single lobes take of a loop stays short. */
+float phase_eval_mixture(const air_phase_mixture *mixture, float cos_theta);
+air_phase_angle phase_sample_angle_mixture(const air_phase_mixture *mixture, float u);
+
+/* The same phase function for evaluation: the g of those without one is 0, a mixture is *own (which
+ * must outlive the result), with weights that sum to 1 and without lobes of weight 0. What is left
+ * with one lobe becomes that lobe. phase: as a medium's description may have it. */
+air_phase phase_prepare(air_phase phase, air_phase_mixture *own);
+
+/* What is wrong with a mixture (may be NULL), as in "lobes[2].g must be between -1 and 1", or NULL.
+ */
+const char *phase_mixture_fault(const air_phase_mixture *mixture, char buffer[64]);
+
 /* As air_phase_eval. */
 static inline float phase_eval(air_phase phase, float cos_theta)
 {
@@ -26,16 +45,13 @@ static inline float phase_eval(air_phase phase, float cos_theta)
         return phase_eval_hg(phase.g, cos_theta);
     case AIR_PHASE_RAYLEIGH:
         return 3.0f / (16.0f * AIR_PI_F) * (1.0f + cos_theta * cos_theta);
+    case AIR_PHASE_MIXTURE:
+        return phase_eval_mixture(phase.mixture, cos_theta);
     case AIR_PHASE_ISOTROPIC:
         break;
     }
     return 1.0f / (4.0f * AIR_PI_F);
 }
-
-/* A direction given by 1 - cos and 1 + cos, both kept so that neither peak loses digits. */
-typedef struct air_phase_angle {
-    float one_minus_cos, one_plus_cos;
-} air_phase_angle;
 
 /* Inversion of the HG distribution. With u uniform the textbook form is cos = (1 + g^2 - s^2)/(2g),
  * s = (1-g^2)/(1-g+2gu); it divides by g and cancels near the peaks. Expanding the numerator, g
@@ -68,6 +84,8 @@ static inline air_phase_angle phase_sample_angle(air_phase phase, float u)
         return phase_sample_angle_hg(phase.g, u);
     case AIR_PHASE_RAYLEIGH:
         return phase_sample_angle_rayleigh(u);
+    case AIR_PHASE_MIXTURE:
+        return phase_sample_angle_mixture(phase.mixture, u);
     case AIR_PHASE_ISOTROPIC:
         break;
     }

@@ -165,14 +165,14 @@ static air_vec3 mean_transmittance(const air_with_arealight *with, air_area_scra
 
 /* ---- the volume ---- */
 
-/* S of one medium at all nodes. */
-static void scatter(const air_with_arealight *with, const area_phase *phase, const area_lamp *lamp,
-                    const area_nodes *nodes, double *out)
+/* S of one lobe of weight 1 at all nodes. */
+static void scatter_lobe(const air_with_arealight *with, const area_lobe *lobe,
+                         const area_lamp *lamp, const area_nodes *nodes, double *out)
 {
     const air_area_shading_points points = {
         {nodes->position[0], nodes->position[1], nodes->position[2]},
         {nodes->wo[0], nodes->wo[1], nodes->wo[2]}};
-    if (phase->phase.kind == AIR_PHASE_RAYLEIGH) {
+    if (lobe->rayleigh) {
         for (size_t i = 0; i < nodes->count; i++) {
             double polygon[AIR_AREA_MAX_VERTICES][3];
             const double point[3] = {nodes->position[0][i], nodes->position[1][i],
@@ -184,12 +184,28 @@ static void scatter(const air_with_arealight *with, const area_phase *phase, con
                          : 0.0;
         }
     } else if (lamp->mode == AIR_AREA_MODE_EDGE) {
-        air_area_eval_edge(with->context, &lamp->shape, (double)phase->phase.g, phase->nodes,
-                           &points, nodes->count, out);
+        air_area_eval_edge(with->context, &lamp->shape, lobe->g, lobe->nodes, &points, nodes->count,
+                           out);
     } else {
         air_area_eval_lobes(with->context, &lamp->shape,
-                            &phase->lobes[lamp->mode == AIR_AREA_MODE_LTSD ? 1 : 0], &points,
+                            &lobe->fits[lamp->mode == AIR_AREA_MODE_LTSD ? 1 : 0], &points,
                             nodes->count, out);
+    }
+}
+
+/* S of one medium at all nodes, into nodes->s: it is linear in the phase function. */
+static void scatter(const air_with_arealight *with, const area_phase *phase, const area_lamp *lamp,
+                    area_nodes *nodes)
+{
+    scatter_lobe(with, &phase->lobes[0], lamp, nodes, nodes->s);
+    for (size_t i = 0; i < nodes->count; i++) {
+        nodes->s[i] *= phase->lobes[0].weight;
+    }
+    for (size_t k = 1; k < phase->lobe_count; k++) {
+        scatter_lobe(with, &phase->lobes[k], lamp, nodes, nodes->s_lobe);
+        for (size_t i = 0; i < nodes->count; i++) {
+            nodes->s[i] += phase->lobes[k].weight * nodes->s_lobe[i];
+        }
     }
 }
 
@@ -203,7 +219,7 @@ static void scatter_segment(const air_with_arealight *with, const area_lamp *lam
     for (uint64_t rest = segment->regions; rest != 0; rest &= rest - 1) {
         const air_region *region = &media->regions[__builtin_ctzll(rest)];
         if (region->medium != last) {
-            scatter(with, &with->phases[region->medium], lamp, nodes, nodes->s);
+            scatter(with, &with->phases[region->medium], lamp, nodes);
             last = region->medium;
         }
         for (size_t i = 0; i < nodes->count; i++) {

@@ -23,11 +23,18 @@ typedef struct area_lamp {
     double fan[AIR_AREA_MAX_VERTICES];
 } area_lamp;
 
-/* One medium's phase function, ready for integration. */
+/* A lobe of a phase function, ready for integration. */
+typedef struct area_lobe {
+    bool rayleigh;
+    double g, weight;
+    int nodes;             /* per edge */
+    air_area_lobe fits[2]; /* mix, ltsd */
+} area_lobe;
+
+/* One medium's phase function: a single one is its own only lobe, of weight 1. */
 typedef struct area_phase {
-    air_phase phase;
-    int nodes;              /* per edge */
-    air_area_lobe lobes[2]; /* mix, ltsd */
+    size_t lobe_count;
+    area_lobe lobes[AIR_PHASE_MAX_LOBES];
 } area_phase;
 
 struct air_with_arealight {
@@ -48,7 +55,7 @@ typedef struct area_nodes {
     size_t count;
     double t[AIR_AREA_MAX_NODES], w[AIR_AREA_MAX_NODES];
     double position[3][AIR_AREA_MAX_NODES], wo[3][AIR_AREA_MAX_NODES];
-    double s[AIR_AREA_MAX_NODES];
+    double s[AIR_AREA_MAX_NODES], s_lobe[AIR_AREA_MAX_NODES];
     air_vec3 scattered[AIR_AREA_MAX_NODES]; /* sigma_s S of all media */
 } area_nodes;
 

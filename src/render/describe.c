@@ -165,11 +165,27 @@ static json_t *describe_grid(const air_grid *grid)
                      integer(air_grid_bytes(grid)), "max", number(air_grid_max(grid)));
 }
 
+static json_t *describe_lobe(air_phase_kind kind, float g)
+{
+    static const char *const kinds[] = {"isotropic", "hg", "rayleigh", "mixture"};
+    json_t *object = json_pack("{s:s}", "kind", kinds[kind]);
+    set_if(object, kind == AIR_PHASE_HG, "g", number(g));
+    return object;
+}
+
 static json_t *describe_phase(air_phase phase)
 {
-    static const char *const kinds[] = {"isotropic", "hg", "rayleigh"};
-    json_t *object = json_pack("{s:s}", "kind", kinds[phase.kind]);
-    set_if(object, phase.kind == AIR_PHASE_HG, "g", number(phase.g));
+    json_t *object = describe_lobe(phase.kind, phase.g);
+    if (phase.kind != AIR_PHASE_MIXTURE)
+        return object;
+    json_t *lobes = json_array();
+    for (size_t i = 0; i < phase.mixture->lobe_count; ++i) {
+        const air_phase_lobe *lobe = &phase.mixture->lobes[i];
+        json_t *described = describe_lobe(lobe->kind, lobe->g);
+        json_object_set_new(described, "weight", number(lobe->weight));
+        json_array_append_new(lobes, described);
+    }
+    json_object_set_new(object, "lobes", lobes);
     return object;
 }
 

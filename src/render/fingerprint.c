@@ -132,6 +132,10 @@ static uint64_t add_medium(uint64_t hash, const air_medium *medium)
     hash = ADD(hash, medium->sigma_a);
     hash = ADD(hash, medium->emission);
     hash = ADD(hash, medium->phase.kind);
+    if (medium->phase.kind == AIR_PHASE_MIXTURE) {
+        hash = add_array(hash, medium->mixture.lobes,
+                         medium->mixture.lobe_count * sizeof *medium->mixture.lobes);
+    }
     hash = ADD(hash, medium->kind);
     hash = ADD(hash, medium->up);
     hash = ADD(hash, numbers);

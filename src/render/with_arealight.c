@@ -166,28 +166,39 @@ static air_status make_lamps(air_with_arealight *with, const air_owner_table *ow
     return status;
 }
 
+static void make_lobe(const air_area_table *given, const air_phase_lobe *from, area_lobe *out)
+{
+    const double g = from->kind == AIR_PHASE_HG ? (double)from->g : 0.0;
+    out->rayleigh = from->kind == AIR_PHASE_RAYLEIGH;
+    out->g = g;
+    out->weight = (double)from->weight;
+    out->nodes = air_area_edge_nodes(g);
+    out->fits[0] = air_area_lobe_mix(g);
+    out->fits[1] = air_area_lobe_ltsd(g);
+    if (given != NULL) {
+        out->fits[given->source == AIR_AREA_SOURCE_LTSD ? 1 : 0] = air_area_table_lobe(given, g);
+    }
+}
+
+static void make_phase(const air_area_table *given, air_phase from, area_phase *out)
+{
+    const air_phase_lobe only = {from.kind, from.g, 1.0f};
+    const bool mixture = from.kind == AIR_PHASE_MIXTURE;
+    out->lobe_count = mixture ? from.mixture->lobe_count : 1;
+    for (size_t i = 0; i < out->lobe_count; i++) {
+        make_lobe(given, mixture ? &from.mixture->lobes[i] : &only, &out->lobes[i]);
+    }
+}
+
 static air_status make_phases(air_with_arealight *with)
 {
     const air_media *media = &with->snapshot->media;
-    const air_area_table *given = with->params->area_table;
     with->phases = air_allocate(with->context, media->count + 1, sizeof *with->phases);
     if (with->phases == NULL) {
         return air_fail_memory(with->context, "arealight: media");
     }
     for (size_t i = 0; i < media->count; i++) {
-        area_phase *phase = &with->phases[i];
-        phase->phase = media->media[i].phase;
-        if (phase->phase.kind != AIR_PHASE_HG) {
-            phase->phase.g = 0.0f;
-        }
-        const double g = (double)phase->phase.g;
-        phase->nodes = air_area_edge_nodes(g);
-        phase->lobes[0] = air_area_lobe_mix(g);
-        phase->lobes[1] = air_area_lobe_ltsd(g);
-        if (given != NULL) {
-            phase->lobes[given->source == AIR_AREA_SOURCE_LTSD ? 1 : 0] =
-                air_area_table_lobe(given, g);
-        }
+        make_phase(with->params->area_table, media->media[i].phase, &with->phases[i]);
     }
     return AIR_OK;
 }

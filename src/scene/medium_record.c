@@ -4,7 +4,9 @@
 
 static void destroy_medium(air_record *record)
 {
-    air_boundary *boundary = &((air_medium_record *)record)->desc.boundary;
+    air_medium_desc *desc = &((air_medium_record *)record)->desc;
+    air_boundary *boundary = &desc->boundary;
+    air_free(record->context, (void *)desc->phase.mixture);
     air_free(record->context, (void *)boundary->indices);
     air_free(record->context, (void *)boundary->positions);
     air_free(record->context, (void *)boundary->planes);
@@ -25,7 +27,8 @@ air_status air_medium_record_create(air_context *context, const air_medium_desc 
     air_boundary *to = &record->desc.boundary;
     record->desc = *desc;
     record->desc.name = record->base.name;
-    /* only the arrays that the kind of boundary looks at; the others may point anywhere */
+    /* only the arrays that the kind of boundary or phase function looks at; the others may point
+     * anywhere */
     const bool convex = from->kind == AIR_BOUNDARY_CONVEX, mesh = from->kind == AIR_BOUNDARY_MESH;
     to->planes = air_record_copy(context, convex ? from->planes : NULL, from->plane_count,
                                  4 * sizeof(float), &ok);
@@ -33,6 +36,9 @@ air_status air_medium_record_create(air_context *context, const air_medium_desc 
                                     3 * sizeof(float), &ok);
     to->indices = air_record_copy(context, mesh ? from->indices : NULL, from->triangle_count,
                                   3 * sizeof(uint32_t), &ok);
+    const bool mixture = desc->phase.kind == AIR_PHASE_MIXTURE;
+    record->desc.phase.mixture = air_record_copy(context, mixture ? desc->phase.mixture : NULL, 1,
+                                                 sizeof *desc->phase.mixture, &ok);
     if (!ok) {
         air_record_release(&record->base);
         return air_fail_memory(context, "medium");
@@ -97,13 +103,23 @@ static bool boundary_equal(const air_boundary *a, const air_boundary *b)
     return true;
 }
 
+static bool phase_equal(air_phase a, air_phase b)
+{
+    if (a.kind != b.kind)
+        return false;
+    if (a.kind == AIR_PHASE_MIXTURE)
+        return a.mixture->lobe_count == b.mixture->lobe_count &&
+               air_bytes_equal(a.mixture->lobes, b.mixture->lobes,
+                               a.mixture->lobe_count * sizeof *a.mixture->lobes);
+    return a.kind != AIR_PHASE_HG || a.g == b.g;
+}
+
 bool air_medium_equal(const air_medium_desc *a, const air_medium_desc *b)
 {
     return air_bytes_equal(a->sigma_s, b->sigma_s, sizeof a->sigma_s) &&
            air_bytes_equal(a->sigma_a, b->sigma_a, sizeof a->sigma_a) &&
            air_bytes_equal(a->emission, b->emission, sizeof a->emission) &&
-           a->phase.kind == b->phase.kind &&
-           (a->phase.kind != AIR_PHASE_HG || a->phase.g == b->phase.g) &&
-           a->combine == b->combine && a->priority == b->priority &&
-           density_equal(&a->density, &b->density) && boundary_equal(&a->boundary, &b->boundary);
+           phase_equal(a->phase, b->phase) && a->combine == b->combine &&
+           a->priority == b->priority && density_equal(&a->density, &b->density) &&
+           boundary_equal(&a->boundary, &b->boundary);
 }

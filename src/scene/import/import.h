@@ -115,6 +115,9 @@ air_status air_sidecar_mark_boundary(const air_sidecar_part *part);
 air_status air_sidecar_add_light(const air_sidecar_part *part);
 air_status air_sidecar_add_camera(const air_sidecar_part *part);
 
+/* Fills desc->phase; a mixture is *mixture. */
+air_status air_sidecar_read_phase(const air_sidecar_part *part, air_medium_desc *desc,
+                                  air_phase_mixture *mixture);
 /* Fills desc->density; loads grids. */
 air_status air_sidecar_read_density(const air_sidecar_part *part, air_medium_desc *desc);
 /* Fills desc->boundary, after the density; what it refers to is in *planes and *geometry, which the

@@ -87,9 +87,24 @@ air_status air_sidecar_add_file(air_import *import, const char *path, bool optio
     return status;
 }
 
+/* How messages name an argument: a long one, as JSON with a table in it is, by its beginning. */
+static char *name_argument(air_context *context, const char *argument)
+{
+    enum { SHOWN = 200 };
+    int length = (int)strnlen(argument, SHOWN + 1);
+    const bool cut = length > SHOWN;
+    if (cut) {
+        length = SHOWN;
+        while (length > 0 &&
+               ((unsigned char)argument[length] & 0xC0) == 0x80) /* not inside a UTF-8 sequence */
+            --length;
+    }
+    return air_string_format(context, "--medium \"%.*s%s\"", length, argument, cut ? "..." : "");
+}
+
 air_status air_sidecar_add_argument(air_import *import, const char *argument, size_t number)
 {
-    char *file = air_string_format(import->context, "--medium \"%s\"", argument);
+    char *file = name_argument(import->context, argument);
     if (file == NULL)
         return air_fail_memory(import->context, "--medium");
     air_sidecar *sidecar = append_sidecar(import, file, "$", "");

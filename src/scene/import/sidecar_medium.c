@@ -72,42 +72,6 @@ static air_status read_coefficients(const air_json *at, air_medium_desc *desc)
                             : status;
 }
 
-/* "phase": "hg" | "isotropic" | "rayleigh" | {"type": ..., "g": ...}, and "g" beside it. */
-static air_status read_phase(const air_json *at, air_phase *out)
-{
-    static const char *const types[] = {"isotropic", "hg", "rayleigh"};
-    static const air_phase_kind kinds[] = {AIR_PHASE_ISOTROPIC, AIR_PHASE_HG, AIR_PHASE_RAYLEIGH};
-    static const char *const keys[] = {"type", "g"};
-    const air_json phase = air_json_get(at, "phase");
-    const air_json inner_type = air_json_get(&phase, "type");
-    const air_json inner_g = air_json_get(&phase, "g");
-    const air_json outer_g = air_json_get(at, "g");
-    const bool nested = json_is_object(phase.value);
-    const air_json *type_at = nested ? &inner_type : &phase;
-    const air_json *g_at = nested ? &inner_g : &outer_g;
-    air_status status = AIR_OK;
-    if (nested) {
-        status = air_json_check_keys(&phase, keys, 2);
-        if (status == AIR_OK && outer_g.value != NULL)
-            status = air_json_fail(&outer_g, AIR_ERROR_FORMAT,
-                                   "expected g inside the phase, where its type is");
-        if (status == AIR_OK)
-            status = air_json_require(&inner_type, "a phase function");
-    }
-    size_t type = g_at->value != NULL ? 1 : 0;
-    float g = 0.0f;
-    if (status == AIR_OK)
-        status = air_json_choice(type_at, types, 3, &type);
-    if (status == AIR_OK)
-        status = air_json_float(g_at, AIR_JSON_SIGNED_OPEN, &g);
-    if (status != AIR_OK)
-        return status;
-    if (g_at->value != NULL && kinds[type] != AIR_PHASE_HG)
-        return air_json_fail(g_at, AIR_ERROR_FORMAT, "only the phase function \"hg\" has a g");
-    *out = (air_phase){.kind = kinds[type], .g = g};
-    return AIR_OK;
-}
-
 static air_status read_combine(const air_json *at, air_medium_desc *desc)
 {
     static const char *const modes[] = {"add", "replace"};
@@ -156,6 +120,7 @@ air_status air_sidecar_add_medium(const air_sidecar_part *part)
     air_medium_desc desc;
     air_medium_desc_default(&desc);
     desc.name = part->fallback_name;
+    air_phase_mixture mixture;
     float *planes = NULL;
     air_import_geometry geometry = {0};
     air_handle handle = AIR_NONE;
@@ -165,7 +130,7 @@ air_status air_sidecar_add_medium(const air_sidecar_part *part)
     if (status == AIR_OK)
         status = read_coefficients(part->at, &desc);
     if (status == AIR_OK)
-        status = read_phase(part->at, &desc.phase);
+        status = air_sidecar_read_phase(part, &desc, &mixture);
     if (status == AIR_OK)
         status = read_combine(part->at, &desc);
     if (status == AIR_OK)

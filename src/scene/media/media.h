@@ -59,6 +59,7 @@ typedef struct air_medium {
     air_combine combine;
     int32_t priority;
     float bounds_min[3], bounds_max[3]; /* infinite where unbounded */
+    air_phase_mixture mixture;          /* what phase points to if it is one */
 } air_medium;
 
 typedef struct air_media {

@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "core/phase.h"
 #include "scene/media/boundary_topology.h"
 #include "scene/media/convex.h"
 #include "scene/subject.h"
@@ -218,7 +219,7 @@ static void set_coefficients(air_medium *medium, const air_medium_desc *desc)
     medium->sigma_a = vec3_load(desc->sigma_a);
     medium->sigma_t = vec3_add(medium->sigma_s, medium->sigma_a);
     medium->emission = vec3_load(desc->emission);
-    medium->phase = desc->phase;
+    medium->phase = phase_prepare(desc->phase, &medium->mixture);
     medium->declared_kind = density->kind;
     medium->kind = density->kind == AIR_DENSITY_LAYERED ? AIR_DENSITY_CONSTANT : density->kind;
     medium->combine = desc->combine;

@@ -1,7 +1,24 @@
+#include "core/phase.h"
 #include "scene/media/boundary_topology.h"
 #include "scene/media/convex.h"
 #include "scene/media/media_build.h"
 #include "scene/subject.h"
+
+static air_status check_phase(const air_subject *subject, const air_phase *phase)
+{
+    const air_status status = air_subject_check_enum(subject, "phase.kind", (int)phase->kind, 4);
+    if (status != AIR_OK) {
+        return status;
+    }
+    if (phase->kind == AIR_PHASE_HG && !(fabsf(phase->g) < 1.0f)) {
+        return air_subject_fail(subject, "phase.g is %g, but must be between -1 and 1",
+                                (double)phase->g);
+    }
+    char buffer[64];
+    const char *fault =
+        phase->kind == AIR_PHASE_MIXTURE ? phase_mixture_fault(phase->mixture, buffer) : NULL;
+    return fault == NULL ? AIR_OK : air_subject_fail(subject, "phase mixture: %s", fault);
+}
 
 static air_status check_coefficients(const air_subject *subject, const air_medium_desc *desc)
 {
@@ -12,14 +29,7 @@ static air_status check_coefficients(const air_subject *subject, const air_mediu
     if (status == AIR_OK) {
         status = air_subject_check(subject, "emission", desc->emission, 3, 0.0f, INFINITY);
     }
-    if (status == AIR_OK) {
-        status = air_subject_check_enum(subject, "phase.kind", (int)desc->phase.kind, 3);
-    }
-    if (status == AIR_OK && desc->phase.kind == AIR_PHASE_HG && !(fabsf(desc->phase.g) < 1.0f)) {
-        status = air_subject_fail(subject, "phase.g is %g, but must be between -1 and 1",
-                                  (double)desc->phase.g);
-    }
-    return status;
+    return status == AIR_OK ? check_phase(subject, &desc->phase) : status;
 }
 
 static air_status check_up(const air_subject *subject, const air_density *density)
