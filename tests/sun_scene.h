@@ -16,10 +16,12 @@ typedef struct sun_scene {
     bool coverage;      /* one block is half transparent */
     bool lamp;          /* a point light that path has to render */
     bool camera_inside;
-    int panels;   /* flat lamps: 1 in the haze, 2: also one that is not convex and has two sides */
-    bool no_suns; /* only these */
-    bool mixture; /* the first medium's phase function is one of three lobes */
-    bool matte;   /* surfaces reflect evenly, without highlights */
+    int panels;    /* flat lamps: 1 in the haze, 2: also one that is not convex and has two sides */
+    bool no_suns;  /* only these */
+    int glow;      /* lamps are emissive meshes, the first of glow x glow cells */
+    bool mirrored; /* that one comes by a transform that mirrors */
+    bool mixture;  /* the first medium's phase function is one of three lobes */
+    bool matte;    /* surfaces reflect evenly, without highlights */
 } sun_scene;
 
 static inline sun_scene sun_scene_default(void)
@@ -52,12 +54,70 @@ static inline air_status sun_add_block(air_scene *scene, const float low[3], con
     return air_scene_add_mesh(scene, &mesh, &handle);
 }
 
+static inline air_status sun_add_glow(air_scene *scene, const air_mesh_desc *shape, bool two_sided)
+{
+    air_material_desc material;
+    air_mesh_desc mesh = *shape;
+    air_handle handle;
+    air_material_desc_default(&material);
+    room_set3(material.emission, 3.0f, 2.0f, 1.0f);
+    material.double_sided = two_sided;
+    air_status status = air_scene_add_material(scene, &material, &mesh.material);
+    mesh.camera_visible = false;
+    mesh.casts_shadow = false;
+    return status == AIR_OK ? air_scene_add_mesh(scene, &mesh, &handle) : status;
+}
+
+/* The first panel as a mesh of n x n cells of two triangles. */
+static inline air_status sun_add_cells(air_scene *scene, int n, bool mirrored)
+{
+    enum { MOST = 12 };
+    float positions[3 * (MOST + 1) * (MOST + 1)];
+    uint32_t indices[6 * MOST * MOST];
+    air_mesh_desc mesh;
+    air_mesh_desc_default(&mesh);
+    mesh.name = "panel";
+    for (int i = 0; i < (n + 1) * (n + 1); i++) {
+        const float x = -0.4f + (float)(i % (n + 1)) / (float)n;
+        const float z = -0.3f + 0.7f * (float)(i / (n + 1)) / (float)n;
+        room_set3(positions + 3 * i, mirrored ? -x : x, 1.6f, z);
+    }
+    for (int i = 0; i < n * n; i++) {
+        const uint32_t at = (uint32_t)(i / n * (n + 1) + i % n), up = at + (uint32_t)n + 1;
+        const uint32_t left = mirrored ? at + 1 : at, right = mirrored ? at : at + 1;
+        const uint32_t up_left = mirrored ? up + 1 : up, up_right = mirrored ? up : up + 1;
+        const uint32_t cell[6] = {left, right, up_right, left, up_right, up_left};
+        memcpy(indices + 6 * i, cell, sizeof cell);
+    }
+    mesh.positions = positions;
+    mesh.vertex_count = (size_t)((n + 1) * (n + 1));
+    mesh.indices = indices;
+    mesh.triangle_count = (size_t)(2 * n * n);
+    mesh.to_world[0] = mirrored ? -1.0f : 1.0f;
+    return sun_add_glow(scene, &mesh, false);
+}
+
+static const float sun_corner[18] = {-1.2f, 0.5f, 0.8f, -1.2f, 1.5f, 0.8f,  -1.2f, 1.5f, 0.4f,
+                                     -1.2f, 0.9f, 0.4f, -1.2f, 0.9f, -0.4f, -1.2f, 0.5f, -0.4f};
+
+static inline air_status sun_add_glows(air_scene *scene, const sun_scene *s)
+{
+    static const uint32_t indices[12] = {3, 0, 1, 3, 1, 2, 3, 4, 5, 3, 5, 0};
+    air_mesh_desc mesh;
+    air_status status = sun_add_cells(scene, s->glow, s->mirrored);
+    air_mesh_desc_default(&mesh);
+    mesh.name = "corner";
+    mesh.positions = sun_corner;
+    mesh.vertex_count = 6;
+    mesh.indices = indices;
+    mesh.triangle_count = 4;
+    return status == AIR_OK && s->panels > 1 ? sun_add_glow(scene, &mesh, true) : status;
+}
+
 static inline air_status sun_add_panels(air_scene *scene, const sun_scene *s)
 {
     static const float square[12] = {-0.4f, 1.6f, -0.3f, 0.6f,  1.6f, -0.3f,
                                      0.6f,  1.6f, 0.4f,  -0.4f, 1.6f, 0.4f};
-    static const float corner[18] = {-1.2f, 0.5f, 0.8f, -1.2f, 1.5f, 0.8f,  -1.2f, 1.5f, 0.4f,
-                                     -1.2f, 0.9f, 0.4f, -1.2f, 0.9f, -0.4f, -1.2f, 0.5f, -0.4f};
     air_light_desc light;
     air_handle handle;
     air_status status = AIR_OK;
@@ -66,7 +126,7 @@ static inline air_status sun_add_panels(air_scene *scene, const sun_scene *s)
         light.name = i == 0 ? "panel" : "corner";
         light.kind = AIR_LIGHT_POLYGON;
         room_set3(light.color, 3.0f, 2.0f, 1.0f);
-        light.vertices = i == 0 ? square : corner;
+        light.vertices = i == 0 ? square : sun_corner;
         light.vertex_count = i == 0 ? 4 : 6;
         light.one_sided = i == 0;
         light.camera_visible = false;
@@ -83,7 +143,7 @@ static inline air_status sun_add_lights(air_scene *scene, const sun_scene *s)
     const air_gobo_window windows[2] = {{square, 4}, {arrow, 4}};
     air_light_desc light;
     air_handle handle;
-    air_status status = sun_add_panels(scene, s);
+    air_status status = s->glow > 0 ? sun_add_glows(scene, s) : sun_add_panels(scene, s);
     if (status != AIR_OK || s->no_suns) {
         return status;
     }

@@ -94,6 +94,87 @@ static void every_exact_mode_has_the_expectation_of_path(void **state)
     air_context_destroy(context);
 }
 
+static void assert_expectation_of_path(const sun_scene *s, int number)
+{
+    messages m;
+    air_context *context = make_context(2, &m);
+    air_snapshot *snapshot;
+    assert_int_equal(sun_scene_make(context, s, &snapshot), AIR_OK);
+    air_render_params params = picture("path", 256);
+    params.variance_replicates = REPLICATES;
+    params.layers = false;
+    params.tile_size = 8;
+    params.sample_end = 1024;
+    air_image *truth = render(context, snapshot, &params);
+    params.methods = "arealight";
+    params.sample_end = 256;
+    params.seed = 1;
+    air_image *image = render(context, snapshot, &params);
+    assert_same_expectation(context, image, truth, number, params.methods);
+    assert_int_equal(m.warnings, 0);
+    air_image_destroy(image);
+    air_image_destroy(truth);
+    air_snapshot_release(snapshot);
+    air_context_destroy(context);
+}
+
+/* A rectangle of cells, an L with two sides, with shadows; and the rectangle by a mirror. */
+static void emissive_meshes_have_the_expectation_of_path(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        sun_scene s = lamp_scene(i == 0 ? 1 : 0);
+        s.glow = 4;
+        s.mirrored = i == 1;
+        assert_expectation_of_path(&s, i);
+    }
+}
+
+static air_image *without_shadows(air_context *context, const sun_scene *s)
+{
+    air_snapshot *snapshot;
+    assert_int_equal(sun_scene_make(context, s, &snapshot), AIR_OK);
+    air_render_params params = picture("arealight", 1);
+    params.shadow_samples = 0;
+    params.layers = false;
+    air_image *image = render(context, snapshot, &params);
+    air_snapshot_release(snapshot);
+    return image;
+}
+
+/* The corners are equal floats, so that the lamps differ by the order of their corners only: sums
+ * in double are of 1e-15, pixels are floats. 12 x 12 cells have more triangles than there may be
+ * lamps. The L of the second scene is cut the same way as a light and as a mesh. */
+static void a_rectangle_is_one_lamp_however_it_is_cut(void **state)
+{
+    (void)state;
+    static const int cells[4] = {1, 4, 12, 4};
+    messages m;
+    air_context *context = make_context(2, &m);
+    for (int number = 0; number < 4; number += 3) {
+        sun_scene s = lamp_scene(number);
+        air_image *whole = without_shadows(context, &s);
+        for (int i = 0; i < 4; i++) {
+            s.glow = cells[i];
+            s.mirrored = i > 1;
+            air_image *cut = without_shadows(context, &s);
+            for (size_t c = 0; c < air_image_channel_count(whole); c++) {
+                const float *a = air_image_plane(whole, c), *b = air_image_plane(cut, c);
+                float sum = 0.0f;
+                for (size_t p = 0; p < WIDTH * HEIGHT; p++) {
+                    assert_true(fabsf(a[p] - b[p]) <= 1e-6f * fabsf(a[p]));
+                    sum += b[p];
+                }
+                assert_true(sum > 0.0f);
+            }
+            air_image_destroy(cut);
+        }
+        air_image_destroy(whole);
+    }
+    assert_int_equal(m.warnings, 0);
+    air_context_destroy(context);
+}
+
 /* Haze from nearly none to nearly solid, every mode and rule, smoothed or not. */
 static void nothing_is_ever_not_finite(void **state)
 {
@@ -168,6 +249,8 @@ int main(void)
         cmocka_unit_test(owners_are_as_asked_for),
         cmocka_unit_test(nothing_is_ever_not_finite),
         cmocka_unit_test(splits_and_threads_change_no_byte),
+        cmocka_unit_test(a_rectangle_is_one_lamp_however_it_is_cut),
+        cmocka_unit_test(emissive_meshes_have_the_expectation_of_path),
         cmocka_unit_test(every_exact_mode_has_the_expectation_of_path),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
