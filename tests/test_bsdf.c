@@ -221,6 +221,39 @@ static void without_specular_it_is_lambert(void **state)
     }
 }
 
+/* The part without a highlight is part of the whole: all of it where there is no highlight, nearly
+ * all far from a sharp one, next to nothing in it. */
+static void smooth_part_leaves_the_highlight(void **state)
+{
+    (void)state;
+    air_rng rng = air_rng_from_keys(3, 11);
+    for (int i = 0; i < 20000; i++) {
+        air_bsdf_input input = random_input(&rng);
+        air_bsdf bsdf;
+        input.specular = i % 4 == 0 ? 0.0f : input.specular;
+        input.metallic = i % 4 == 0 ? 0.0f : input.metallic;
+        air_bsdf_make(&input, &bsdf);
+        const air_vec3 wi = random_direction(&rng);
+        const air_vec3 whole = air_bsdf_eval(&bsdf, input.wo, wi);
+        const air_vec3 smooth = air_bsdf_eval_smooth(&bsdf, input.wo, wi);
+        assert_true(smooth.x >= 0.0f && smooth.y >= 0.0f && smooth.z >= 0.0f);
+        /* sums of three terms, rounded */
+        assert_true(smooth.x <= whole.x * (1.0f + 1e-6f) && smooth.y <= whole.y * (1.0f + 1e-6f) &&
+                    smooth.z <= whole.z * (1.0f + 1e-6f));
+        assert_true(bsdf.f90 > 0.0f || vec3_mean(smooth) == vec3_mean(whole));
+    }
+    air_bsdf_input input = plain_input(0.8f);
+    air_bsdf bsdf;
+    input.roughness = 0.15f;
+    air_bsdf_make(&input, &bsdf);
+    const air_vec3 mirror = vec3(-input.wo.x, 0.0f, input.wo.z), aside = vec3(0.6f, 0.6f, 0.529f);
+    const float in_it = vec3_mean(air_bsdf_eval_smooth(&bsdf, input.wo, mirror)) /
+                        vec3_mean(air_bsdf_eval(&bsdf, input.wo, mirror));
+    const float off_it = vec3_mean(air_bsdf_eval_smooth(&bsdf, input.wo, aside)) /
+                         vec3_mean(air_bsdf_eval(&bsdf, input.wo, aside));
+    assert_true(in_it < 0.1f && off_it > 0.99f);
+}
+
 static void light_does_not_leak_through_the_surface(void **state)
 {
     (void)state;
@@ -402,6 +435,7 @@ int main(void)
         cmocka_unit_test(further_reflections_are_tinted),
         cmocka_unit_test(no_surface_reflects_more_than_it_receives),
         cmocka_unit_test(without_specular_it_is_lambert),
+        cmocka_unit_test(smooth_part_leaves_the_highlight),
         cmocka_unit_test(light_does_not_leak_through_the_surface),
         cmocka_unit_test(weight_times_density_is_the_value),
         cmocka_unit_test(samples_follow_their_density),

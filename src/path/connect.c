@@ -1,4 +1,6 @@
 /* connect.c: rays against the scene: shadow rays, and nearest hits past transparent surfaces. */
+#include <string.h>
+
 #include "path/tracking.h"
 #include "path/vertex.h"
 
@@ -24,6 +26,22 @@ float air_path_alpha_transmittance(const air_path *path, const air_ray *shadow_r
     return product;
 }
 
+void air_path_shares(const air_path *path, const air_ray *rays, size_t count, uint8_t *occluded,
+                     float *out_shares)
+{
+    const air_snapshot *snapshot = path->snapshot;
+    memset(occluded, 0, count);
+    if (snapshot->accelerator != NULL && count > 0) {
+        path->rays->occluded(snapshot->accelerator, rays, count, occluded);
+    }
+    for (size_t i = 0; i < count; i++) {
+        const bool alpha = snapshot->has_alpha && rays[i].mask != 0 && !occluded[i];
+        out_shares[i] = occluded[i] ? 0.0f
+                        : alpha     ? air_path_alpha_transmittance(path, &rays[i])
+                                    : 1.0f;
+    }
+}
+
 static air_vec3 tracked_transmittance(const air_path *path, air_path_scratch *scratch,
                                       const air_path_lane *lane, const air_ray *ray,
                                       const path_shadow *shadow)
@@ -36,25 +54,16 @@ static air_vec3 tracked_transmittance(const air_path *path, air_path_scratch *sc
 
 void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes)
 {
-    const air_snapshot *snapshot = path->snapshot;
     const size_t count = scratch->shadow_count;
     scratch->shadow_count = 0;
-    for (size_t i = 0; i < count; i++) {
-        scratch->occluded[i] = 0;
-    }
-    if (snapshot->accelerator != NULL && count > 0) {
-        path->rays->occluded(snapshot->accelerator, scratch->shadow_rays, count, scratch->occluded);
-    }
+    air_path_shares(path, scratch->shadow_rays, count, scratch->occluded, scratch->shares);
     for (size_t i = 0; i < count; i++) {
         const path_shadow *shadow = &scratch->shadows[i];
         const air_ray *ray = &scratch->shadow_rays[i];
-        air_vec3 value = shadow->value;
-        if (scratch->occluded[i]) {
+        if (scratch->shares[i] == 0.0f) {
             continue;
         }
-        if (snapshot->has_alpha && ray->mask != 0) {
-            value = vec3_scale(value, air_path_alpha_transmittance(path, ray));
-        }
+        air_vec3 value = vec3_scale(shadow->value, scratch->shares[i]);
         if (shadow->tracked && !vec3_is_zero(value)) {
             value = vec3_mul(
                 value, tracked_transmittance(path, scratch, &lanes[shadow->lane], ray, shadow));

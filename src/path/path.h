@@ -69,6 +69,12 @@ size_t air_path_scratch_size(void);
 /* The product of 1 - alpha over the surfaces with coverage that a shadow ray meets. */
 float air_path_alpha_transmittance(const air_path *path, const air_ray *shadow_ray);
 
+/* What surfaces let through of shadow rays: 0 where one is in the way, else the product of 1 -
+ * alpha over those with coverage; 1 for rays whose mask is 0. occluded: scratch of `count` bytes.
+ */
+void air_path_shares(const air_path *path, const air_ray *rays, size_t count, uint8_t *occluded,
+                     float *out_shares);
+
 /* Traces lanes[0..count), count <= AIR_PATH_LANES; the terms, guides included, are overwritten. */
 void air_path_trace(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
                     size_t count);

@@ -60,6 +60,7 @@ struct air_path_scratch {
     path_shadow shadows[AIR_PATH_VERTICES];
     air_ray shadow_rays[AIR_PATH_VERTICES];
     uint8_t occluded[AIR_PATH_VERTICES];
+    float shares[AIR_PATH_VERTICES]; /* visible */
     size_t vertex_count, walk_count, shadow_count;
     air_ray_media media; /* along the ray that is looked at */
     /* What a light from infinity would send along it; before and after windows are cut out. */

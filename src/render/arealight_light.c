@@ -28,19 +28,12 @@ static void send(const air_with_arealight *with, air_area_scratch *scratch, air_
 {
     const size_t count = scratch->query_count;
     scratch->query_count = 0;
-    memset(scratch->occluded, 0, count);
-    if (with->snapshot->accelerator != NULL && count > 0) {
-        with->path->rays->occluded(with->snapshot->accelerator, scratch->rays, count,
-                                   scratch->occluded);
-    }
+    float shares[AREA_QUERIES];
+    air_path_shares(with->path, scratch->rays, count, scratch->occluded, shares);
     for (size_t i = 0; i < count; i++) {
-        if (scratch->occluded[i]) {
-            continue;
+        if (shares[i] > 0.0f) {
+            add_arrived(&scratch->queries[i], shares[i], lanes, ratios);
         }
-        const float through = with->snapshot->has_alpha && scratch->rays[i].mask != 0
-                                  ? air_path_alpha_transmittance(with->path, &scratch->rays[i])
-                                  : 1.0f;
-        add_arrived(&scratch->queries[i], through, lanes, ratios);
     }
 }
 

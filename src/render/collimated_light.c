@@ -363,20 +363,14 @@ static void send(const air_with_collimated *with, air_collimated_scratch *scratc
 {
     const size_t count = scratch->query_count;
     scratch->query_count = 0;
-    memset(scratch->occluded, 0, count);
-    if (with->snapshot->accelerator != NULL && count > 0) {
-        with->path->rays->occluded(with->snapshot->accelerator, scratch->rays, count,
-                                   scratch->occluded);
-    }
+    float shares[AIR_PATH_LANES];
+    air_path_shares(with->path, scratch->rays, count, scratch->occluded, shares);
     for (size_t i = 0; i < count; i++) {
         const collimated_query *query = &scratch->queries[i];
-        if (scratch->occluded[i]) {
+        if (shares[i] == 0.0f) {
             continue;
         }
-        air_vec3 value = query->value;
-        if (with->snapshot->has_alpha && scratch->rays[i].mask != 0) {
-            value = vec3_scale(value, air_path_alpha_transmittance(with->path, &scratch->rays[i]));
-        }
+        const air_vec3 value = vec3_scale(query->value, shares[i]);
         air_vec3 *sum = query->ratio ? &ratios[query->lane].volume.occluded
                                      : &lanes[query->lane].terms[query->term];
         *sum = vec3_add(*sum, value);
