@@ -1,7 +1,4 @@
 /* area_table_file.c: tables of fitted lobes as JSON (docs/table-format.md). */
-#include <math.h>
-#include <stdio.h>
-
 #include "airlight/area_table.h"
 #include "core/host.h"
 #include "render/table_json.h"
@@ -9,14 +6,7 @@
 static const char *const source_names[] = {"ltsd", "mix"};
 static const char *const loss_names[AIR_AREA_LOSSES] = {"kl", "l2", "l3", "cdf-l2"};
 
-/* A column of the file, and where a lobe keeps it. */
-typedef struct column {
-    const char *name;
-    size_t offset;
-    double least, largest;
-} column;
-
-static const column columns[] = {
+static const air_table_column columns[] = {
     {"g", offsetof(air_area_lobe, g), 0.0, 0.99},
     {"s_near", offsetof(air_area_lobe, s_near), 1e-3, 1e4},
     {"w_near", offsetof(air_area_lobe, w_near), -1.0, 1.0},
@@ -25,11 +15,6 @@ static const column columns[] = {
 };
 enum { COLUMNS = sizeof columns / sizeof columns[0] };
 
-static double *field(air_area_lobe *lobe, size_t c)
-{
-    return (double *)((char *)lobe + columns[c].offset);
-}
-
 /* ---- writing ---- */
 
 static json_t *describe(const air_area_table *table)
@@ -37,12 +22,8 @@ static json_t *describe(const air_area_table *table)
     json_t *root = air_table_json_new(source_names[table->source]);
     json_object_set_new(root, "loss", json_string(loss_names[table->loss]));
     for (size_t c = 0; c < COLUMNS; c++) {
-        json_t *array = json_array();
-        for (size_t k = 0; k < AIR_AREA_KNOTS; k++) {
-            air_area_lobe lobe = table->knots[k];
-            json_array_append_new(array, json_real(*field(&lobe, c)));
-        }
-        json_object_set_new(root, columns[c].name, array);
+        air_table_json_add_column(root, &columns[c], table->knots, AIR_AREA_KNOTS,
+                                  sizeof table->knots[0]);
     }
     return root;
 }
@@ -56,26 +37,6 @@ air_status air_area_table_save(air_context *context, const air_area_table *table
 }
 
 /* ---- reading ---- */
-
-static air_status read_column(air_context *context, const char *path, const json_t *root, size_t c,
-                              air_area_table *out)
-{
-    double values[AIR_AREA_KNOTS];
-    const air_status status =
-        air_table_json_numbers(context, path, root, columns[c].name, columns[c].least,
-                               columns[c].largest, AIR_AREA_KNOTS, values);
-    for (size_t k = 0; k < AIR_AREA_KNOTS && status == AIR_OK; k++) {
-        const double g = 0.99 * (double)k / (AIR_AREA_KNOTS - 1);
-        if (c == 0 && !(fabs(values[k] - g) < 1e-9)) {
-            char place[64], expected[96];
-            snprintf(place, sizeof place, "\"%s\"[%zu]", columns[c].name, k);
-            snprintf(expected, sizeof expected, "the knot %.9f", g);
-            return air_table_json_wrong(context, path, place, expected);
-        }
-        *field(&out->knots[k], c) = values[k];
-    }
-    return status;
-}
 
 static air_status read(air_context *context, const char *path, const json_t *root,
                        air_area_table *out)
@@ -94,7 +55,12 @@ static air_status read(air_context *context, const char *path, const json_t *roo
     out->loss = (air_area_loss)loss;
     air_status status = AIR_OK;
     for (size_t c = 0; c < COLUMNS && status == AIR_OK; c++) {
-        status = read_column(context, path, root, c, out);
+        status = air_table_json_read_column(context, path, root, &columns[c], out->knots,
+                                            AIR_AREA_KNOTS, sizeof out->knots[0]);
+    }
+    for (size_t k = 0; k < AIR_AREA_KNOTS && status == AIR_OK; k++) {
+        status = air_table_json_check_knot(context, path, "g", k, out->knots[k].g,
+                                           0.99 * (double)k / (AIR_AREA_KNOTS - 1));
     }
     return status;
 }

@@ -1,5 +1,4 @@
 /* ltc_table_file.c: tables of transformed cosines as JSON (docs/table-format.md). */
-#include <math.h>
 #include <stdlib.h>
 
 #include "airlight/area_ltc.h"
@@ -8,14 +7,8 @@
 
 enum { SIDE = AIR_LTC_SIDE, KNOTS = SIDE * SIDE };
 
-/* A column of the file: one number of every knot, alpha by alpha. */
-typedef struct column {
-    const char *name;
-    size_t offset;
-    double least, largest;
-} column;
-
-static const column columns[] = {
+/* One number of every knot, alpha by alpha. */
+static const air_table_column columns[] = {
     {"xx", offsetof(air_area_ltc, xx), -1e4, 1e4},
     {"xz", offsetof(air_area_ltc, xz), -1e4, 1e4},
     {"zx", offsetof(air_area_ltc, zx), -1e4, 1e4},
@@ -24,33 +17,28 @@ static const column columns[] = {
 };
 enum { COLUMNS = sizeof columns / sizeof columns[0] };
 
-static double *field(air_area_ltc *knot, size_t c)
-{
-    return (double *)((char *)knot + columns[c].offset);
-}
+/* An axis is a column of plain numbers. */
+static air_table_column axis(const char *name) { return (air_table_column){name, 0, 0.0, 1.0}; }
 
-static json_t *axis(double (*knot)(size_t))
+static void add_axis(json_t *root, const char *name, double (*knot)(size_t))
 {
-    json_t *array = json_array();
+    const air_table_column column = axis(name);
+    double values[SIDE];
     for (size_t k = 0; k < SIDE; k++) {
-        json_array_append_new(array, json_real(knot(k)));
+        values[k] = knot(k);
     }
-    return array;
+    air_table_json_add_column(root, &column, values, SIDE, sizeof values[0]);
 }
 
 air_status air_area_ltc_table_save(air_context *context, const air_area_ltc_table *table,
                                    const char *path)
 {
     json_t *root = air_table_json_new("ltc");
-    json_object_set_new(root, "alpha", axis(air_area_ltc_knot_alpha));
-    json_object_set_new(root, "cos_o", axis(air_area_ltc_knot_cosine));
+    add_axis(root, "alpha", air_area_ltc_knot_alpha);
+    add_axis(root, "cos_o", air_area_ltc_knot_cosine);
     for (size_t c = 0; c < COLUMNS; c++) {
-        json_t *array = json_array();
-        for (size_t k = 0; k < KNOTS; k++) {
-            air_area_ltc knot = table->knots[k / SIDE][k % SIDE];
-            json_array_append_new(array, json_real(*field(&knot, c)));
-        }
-        json_object_set_new(root, columns[c].name, array);
+        air_table_json_add_column(root, &columns[c], table->knots, KNOTS,
+                                  sizeof table->knots[0][0]);
     }
     return air_table_json_write(context, root, path);
 }
@@ -58,15 +46,12 @@ air_status air_area_ltc_table_save(air_context *context, const air_area_ltc_tabl
 static air_status check_axis(air_context *context, const char *path, const json_t *root,
                              const char *name, double (*knot)(size_t))
 {
+    const air_table_column column = axis(name);
     double values[SIDE];
-    air_status status = air_table_json_numbers(context, path, root, name, 0.0, 1.0, SIDE, values);
+    air_status status =
+        air_table_json_read_column(context, path, root, &column, values, SIDE, sizeof values[0]);
     for (size_t k = 0; k < SIDE && status == AIR_OK; k++) {
-        if (!(fabs(values[k] - knot(k)) < 1e-9)) {
-            char place[64], expected[64];
-            snprintf(place, sizeof place, "\"%s\"[%zu]", name, k);
-            snprintf(expected, sizeof expected, "the knot %.9f", knot(k));
-            status = air_table_json_wrong(context, path, place, expected);
-        }
+        status = air_table_json_check_knot(context, path, name, k, values[k], knot(k));
     }
     return status;
 }
@@ -75,7 +60,6 @@ static air_status read(air_context *context, const char *path, const json_t *roo
                        air_area_ltc_table *out)
 {
     static const char *const kinds[] = {"ltc"};
-    double values[KNOTS];
     if (air_table_json_index(json_object_get(root, "kind"), kinds, 1) == 1) {
         return air_table_json_wrong(context, path, "\"kind\"", "\"ltc\"");
     }
@@ -84,11 +68,8 @@ static air_status read(air_context *context, const char *path, const json_t *roo
         status = check_axis(context, path, root, "cos_o", air_area_ltc_knot_cosine);
     }
     for (size_t c = 0; c < COLUMNS && status == AIR_OK; c++) {
-        status = air_table_json_numbers(context, path, root, columns[c].name, columns[c].least,
-                                        columns[c].largest, KNOTS, values);
-        for (size_t k = 0; k < KNOTS && status == AIR_OK; k++) {
-            *field(&out->knots[k / SIDE][k % SIDE], c) = values[k];
-        }
+        status = air_table_json_read_column(context, path, root, &columns[c], out->knots, KNOTS,
+                                            sizeof out->knots[0][0]);
     }
     return status;
 }

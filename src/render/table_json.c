@@ -1,5 +1,6 @@
 #include "render/table_json.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -67,25 +68,51 @@ size_t air_table_json_index(const json_t *text, const char *const *names, size_t
     return i;
 }
 
-air_status air_table_json_numbers(air_context *context, const char *path, const json_t *root,
-                                  const char *name, double least, double largest, size_t count,
-                                  double *out)
+void air_table_json_add_column(json_t *root, const air_table_column *column, const void *records,
+                               size_t count, size_t size)
+{
+    json_t *array = json_array();
+    for (size_t k = 0; k < count; k++) {
+        double value;
+        memcpy(&value, (const char *)records + k * size + column->offset, sizeof value);
+        json_array_append_new(array, json_real(value));
+    }
+    json_object_set_new(root, column->name, array);
+}
+
+air_status air_table_json_read_column(air_context *context, const char *path, const json_t *root,
+                                      const air_table_column *column, void *records, size_t count,
+                                      size_t size)
 {
     char place[64], expected[96];
-    const json_t *array = json_object_get(root, name);
-    snprintf(place, sizeof place, "\"%s\"", name);
+    const json_t *array = json_object_get(root, column->name);
+    snprintf(place, sizeof place, "\"%s\"", column->name);
     if (!json_is_array(array) || json_array_size(array) != count) {
         snprintf(expected, sizeof expected, "an array of %zu numbers", count);
         return air_table_json_wrong(context, path, place, expected);
     }
     for (size_t k = 0; k < count; k++) {
         const json_t *item = json_array_get(array, k);
-        out[k] = json_number_value(item);
-        if (!json_is_number(item) || !(out[k] >= least) || !(out[k] <= largest)) {
-            snprintf(place, sizeof place, "\"%s\"[%zu]", name, k);
-            snprintf(expected, sizeof expected, "a number from %g to %g", least, largest);
+        const double value = json_number_value(item);
+        if (!json_is_number(item) || !(value >= column->least) || !(value <= column->largest)) {
+            snprintf(place, sizeof place, "\"%s\"[%zu]", column->name, k);
+            snprintf(expected, sizeof expected, "a number from %g to %g", column->least,
+                     column->largest);
             return air_table_json_wrong(context, path, place, expected);
         }
+        memcpy((char *)records + k * size + column->offset, &value, sizeof value);
     }
     return AIR_OK;
+}
+
+air_status air_table_json_check_knot(air_context *context, const char *path, const char *name,
+                                     size_t k, double value, double knot)
+{
+    char place[64], expected[64];
+    if (fabs(value - knot) < 1e-9) {
+        return AIR_OK;
+    }
+    snprintf(place, sizeof place, "\"%s\"[%zu]", name, k);
+    snprintf(expected, sizeof expected, "the knot %.9f", knot);
+    return air_table_json_wrong(context, path, place, expected);
 }

@@ -22,9 +22,24 @@ air_status air_table_json_wrong(air_context *context, const char *path, const ch
 /* The index of a text among names; count if it is none of them. */
 size_t air_table_json_index(const json_t *text, const char *const *names, size_t count);
 
-/* Reads root[name], an array of `count` numbers in [least, largest]. */
-air_status air_table_json_numbers(air_context *context, const char *path, const json_t *root,
-                                  const char *name, double least, double largest, size_t count,
-                                  double *out);
+/* A column of the file, and where a record, a struct of doubles, keeps it. */
+typedef struct air_table_column {
+    const char *name;
+    size_t offset;
+    double least, largest;
+} air_table_column;
+
+/* root[name]: an array of what all records keep. records: count of them, size bytes apart. */
+void air_table_json_add_column(json_t *root, const air_table_column *column, const void *records,
+                               size_t count, size_t size);
+
+/* The way back: an array of count numbers in [least, largest]. */
+air_status air_table_json_read_column(air_context *context, const char *path, const json_t *root,
+                                      const air_table_column *column, void *records, size_t count,
+                                      size_t size);
+
+/* Is an axis' number k, as read, the knot that it should be? */
+air_status air_table_json_check_knot(air_context *context, const char *path, const char *name,
+                                     size_t k, double value, double knot);
 
 #endif
