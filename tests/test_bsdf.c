@@ -236,6 +236,10 @@ static void smooth_part_leaves_the_highlight(void **state)
         const air_vec3 wi = random_direction(&rng);
         const air_vec3 whole = air_bsdf_eval(&bsdf, input.wo, wi);
         const air_vec3 smooth = air_bsdf_eval_smooth(&bsdf, input.wo, wi);
+        air_vec3 part;
+        const air_vec3 both = air_bsdf_eval_parts(&bsdf, input.wo, wi, &part);
+        assert_memory_equal(&both, &whole, sizeof whole);
+        assert_memory_equal(&part, &smooth, sizeof smooth);
         assert_true(smooth.x >= 0.0f && smooth.y >= 0.0f && smooth.z >= 0.0f);
         /* sums of three terms, rounded */
         assert_true(smooth.x <= whole.x * (1.0f + 1e-6f) && smooth.y <= whole.y * (1.0f + 1e-6f) &&

@@ -82,7 +82,7 @@ typedef struct denoise_work {
     air_denoise_level level;
     air_denoise_row *filter_row;
     float *const *planes; /* the caller's */
-    float *guide_copies;  /* ln depth, then the normal's */
+    float *guide_copies;  /* ln depth, then the normal's, then the value */
     float *copies[2][AIR_DENOISE_MAX_PLANES];
 } denoise_work;
 

@@ -13,8 +13,9 @@
 air_vec3 air_area_transmittance(const air_with_arealight *with, const double from[3],
                                 const double to[3])
 {
-    const double way[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-    const double length = sqrt(air_dot3(way, way));
+    double way[3];
+    air_subtract3(to, from, way);
+    const double length = air_length3(way);
     if (with->snapshot->media.region_count == 0 || !(length > 0.0)) {
         return vec3_set1(1.0f);
     }
@@ -115,9 +116,7 @@ static double point_shares(const air_with_arealight *with, const area_view *view
     double sum = 0.0;
     for (size_t i = 0; i < cubature->count; i++) {
         double wi[3];
-        for (int k = 0; k < 3; k++) {
-            wi[k] = cubature->points[i][k] - view->point[k];
-        }
+        air_subtract3(cubature->points[i], view->point, wi);
         const double r2 = air_dot3(wi, wi), r = sqrt(r2);
         scratch->lengths[i] = r;
         scratch->shares[i] = 0.0;
@@ -312,8 +311,7 @@ air_vec3 air_area_volume_light(const air_with_arealight *with, air_area_scratch 
             sum = vec3_add(sum, segment_light(with, scratch, lamp, segment));
         }
     }
-    return vec3_mul(
-        sum, vec3((float)lamp->radiance[0], (float)lamp->radiance[1], (float)lamp->radiance[2]));
+    return vec3_mul(sum, lamp->radiance);
 }
 
 /* ---- surfaces ---- */
@@ -415,7 +413,5 @@ air_vec3 air_area_surface_light(const air_with_arealight *with, air_area_scratch
     const air_vec3 reflected = total > 0.0
                                    ? mean_reflected(with, scratch, cubature, point, total)
                                    : corner_reflected(with, lamp, surface, wo, point, normal);
-    const air_vec3 radiance =
-        vec3((float)lamp->radiance[0], (float)lamp->radiance[1], (float)lamp->radiance[2]);
-    return vec3_scale(vec3_mul(reflected, radiance), (float)irradiance);
+    return vec3_scale(vec3_mul(reflected, lamp->radiance), (float)irradiance);
 }

@@ -163,7 +163,7 @@ static air_status add_lamp(air_with_arealight *with, const air_light *light, air
         return AIR_OK;
     }
     with->lamp_count++;
-    vec3_store64(lamp->radiance, light->color);
+    lamp->radiance = light->color;
     make_fan(lamp);
     /* Points across the lamp from afar, and near it; a polygon of more corners has them in each
      * triangle of a fan. */

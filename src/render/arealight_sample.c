@@ -47,8 +47,9 @@ static bool make_way(const area_lamp *lamp, const area_sample *sample, area_way 
 
 static air_vec3 radiance_times(const area_lamp *lamp, double factor)
 {
-    return vec3((float)(lamp->radiance[0] * factor), (float)(lamp->radiance[1] * factor),
-                (float)(lamp->radiance[2] * factor));
+    return vec3((float)((double)lamp->radiance.x * factor),
+                (float)((double)lamp->radiance.y * factor),
+                (float)((double)lamp->radiance.z * factor));
 }
 
 /* sigma_s p of all media at t, towards wi. */
@@ -147,7 +148,8 @@ area_sample air_area_sample_surface(const air_with_arealight *with, const area_l
     const air_vec3 wo = vec3((float)-ray->dir[0], (float)-ray->dir[1], (float)-ray->dir[2]);
     const air_vec3 wi = vec3((float)way.wi[0], (float)way.wi[1], (float)way.wi[2]);
     const air_bsdf *bsdf = &ray->surface->bsdf;
-    const air_vec3 f = air_bsdf_eval(bsdf, wo, wi), smooth = air_bsdf_eval_smooth(bsdf, wo, wi);
+    air_vec3 smooth;
+    const air_vec3 f = air_bsdf_eval_parts(bsdf, wo, wi, &smooth);
     if (vec3_is_zero(f)) {
         return out;
     }

@@ -15,7 +15,7 @@ typedef struct area_cubature {
 /* A convex lamp that the method owns. */
 typedef struct area_lamp {
     air_area_lamp shape;
-    double radiance[3];
+    air_vec3 radiance;
     air_area_mode mode;
     bool casts_shadow;
     area_cubature few, many;

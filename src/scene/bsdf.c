@@ -155,8 +155,13 @@ static smooth_lobes smooth_at(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
         bsdf->multiple_scale * (at_o.loss * at_i.loss)};
 }
 
+static air_vec3 smooth_value(const air_bsdf *bsdf, smooth_lobes smooth, air_vec3 wi)
+{
+    return vec3_scale(vec3_madd(smooth.base, smooth.multiple, bsdf->multiple), wi.z);
+}
+
 /* f |cos(wi)|, both directions above the shading surface. */
-static air_vec3 eval_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
+static air_vec3 eval_with(const air_bsdf *bsdf, smooth_lobes smooth, air_vec3 wo, air_vec3 wi)
 {
     const air_vec3 h = vec3_normalize(vec3_add(wo, wi));
     const float rise = 1.0f - clamp01(vec3_dot(wi, h));
@@ -166,10 +171,14 @@ static air_vec3 eval_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
     const float single =
         0.5f * ggx_distribution(h, bsdf->alpha) /
         (wi.z * smith_length(wo, bsdf->alpha) + wo.z * smith_length(wi, bsdf->alpha));
-    const smooth_lobes smooth = smooth_at(bsdf, wo, wi);
     const air_vec3 f =
         vec3_madd(vec3_madd(smooth.base, single, fresnel), smooth.multiple, bsdf->multiple);
     return vec3_scale(f, wi.z);
+}
+
+static air_vec3 eval_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
+{
+    return eval_with(bsdf, smooth_at(bsdf, wo, wi), wo, wi);
 }
 
 static float pdf_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
@@ -204,8 +213,20 @@ air_vec3 air_bsdf_eval_smooth(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
         return air_bsdf_eval(bsdf, wo, wi);
     }
     const air_vec3 local_i = frame_to_local(&bsdf->frame, wi);
-    const smooth_lobes smooth = smooth_at(bsdf, frame_to_local(&bsdf->frame, wo), local_i);
-    return vec3_scale(vec3_madd(smooth.base, smooth.multiple, bsdf->multiple), local_i.z);
+    const air_vec3 local_o = frame_to_local(&bsdf->frame, wo);
+    return smooth_value(bsdf, smooth_at(bsdf, local_o, local_i), local_i);
+}
+
+air_vec3 air_bsdf_eval_parts(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi, air_vec3 *out_smooth)
+{
+    if (bsdf->f90 == 0.0f || !above(bsdf, wo) || !above(bsdf, wi)) {
+        return *out_smooth = air_bsdf_eval(bsdf, wo, wi);
+    }
+    const air_vec3 local_o = frame_to_local(&bsdf->frame, wo);
+    const air_vec3 local_i = frame_to_local(&bsdf->frame, wi);
+    const smooth_lobes smooth = smooth_at(bsdf, local_o, local_i);
+    *out_smooth = smooth_value(bsdf, smooth, local_i);
+    return eval_with(bsdf, smooth, local_o, local_i);
 }
 
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)

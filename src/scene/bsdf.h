@@ -45,6 +45,8 @@ void air_bsdf_make(const air_bsdf_input *input, air_bsdf *out);
 air_vec3 air_bsdf_eval(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
 /* What of it has no highlight: the base, and multiple scattering between facets. */
 air_vec3 air_bsdf_eval_smooth(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
+/* Both, for little more than the first. */
+air_vec3 air_bsdf_eval_parts(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi, air_vec3 *out_smooth);
 /* Density of air_bsdf_sample per solid angle. */
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
 /* u: three numbers in [0,1). Returns false if nothing is reflected; *out_weight = f cos / pdf. */
