@@ -79,7 +79,7 @@ static inline probe_result probe_run(const air_snapshot *snapshot, const probe *
     air_sobol *sobol = malloc(sizeof *sobol);
     air_path_scratch *scratch = malloc(air_path_scratch_size());
     air_path path;
-    const air_path_settings settings = {p->max_depth, NULL, p->terms, false, NULL, NULL};
+    const air_path_settings settings = {.max_depth = p->max_depth, .terms = p->terms};
     memset(&out, 0, sizeof out);
     assert_non_null(sobol);
     assert_non_null(scratch);

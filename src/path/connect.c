@@ -47,9 +47,16 @@ static air_vec3 tracked_transmittance(const air_path *path, air_path_scratch *sc
                                       const path_shadow *shadow)
 {
     air_rng rng = air_sampler_rng(&lane->sampler, shadow->stream);
-    air_ray_media_make(&scratch->media, &path->snapshot->media, vec3_load(ray->origin),
-                       vec3_load(ray->dir), shadow->distance);
+    air_ray_media_make(&scratch->media, path->media, vec3_load(ray->origin), vec3_load(ray->dir),
+                       shadow->distance);
     return air_track_transmittance(&scratch->media, fminf(shadow->distance, AIR_FAR), &rng);
+}
+
+static air_vec3 *target_sum(air_path_lane *lane, uint32_t target)
+{
+    return target == PATH_TO_RECEIVER ? &lane->connected
+           : target == PATH_THROUGH   ? &lane->through
+                                      : &lane->terms[target];
 }
 
 void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes)
@@ -60,15 +67,20 @@ void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane
     for (size_t i = 0; i < count; i++) {
         const path_shadow *shadow = &scratch->shadows[i];
         const air_ray *ray = &scratch->shadow_rays[i];
-        if (scratch->shares[i] == 0.0f) {
+        const float share = scratch->shares[i] * (shadow->paired ? scratch->shares[i + 1] : 1.0f);
+        if (share == 0.0f) {
             continue;
         }
-        air_vec3 value = vec3_scale(shadow->value, scratch->shares[i]);
+        air_vec3 value = vec3_scale(shadow->value, share);
         if (shadow->tracked && !vec3_is_zero(value)) {
             value = vec3_mul(
                 value, tracked_transmittance(path, scratch, &lanes[shadow->lane], ray, shadow));
         }
-        air_vec3 *sum = &lanes[shadow->lane].terms[shadow->term];
+        if (shadow->paired && shadow[1].tracked && !vec3_is_zero(value)) {
+            value = vec3_mul(value, tracked_transmittance(path, scratch, &lanes[shadow->lane],
+                                                          ray + 1, shadow + 1));
+        }
+        air_vec3 *sum = target_sum(&lanes[shadow->lane], shadow->target);
         *sum = vec3_add(*sum, value);
     }
 }

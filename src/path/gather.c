@@ -7,7 +7,7 @@
 
 void path_mixture_make(const air_path *path, const path_vertex *vertex, path_mixture *out)
 {
-    const air_media *media = &path->snapshot->media;
+    const air_media *media = path->media;
     out->count = 0;
     out->total = 0.0f;
     for (uint64_t rest = vertex->at.medium.regions; rest != 0; rest &= rest - 1) {
@@ -31,11 +31,9 @@ void path_mixture_make(const air_path *path, const path_vertex *vertex, path_mix
     }
 }
 
-/* sigma_s times phase function of those media whose light is wanted. out_pdf (may be NULL): the
- * density of sampling wi. */
-static air_vec3 mixture_eval(const air_path *path, const path_vertex *vertex,
-                             const path_mixture *mixture, air_vec3 wi, uint32_t light_owner,
-                             float *out_pdf)
+air_vec3 path_mixture_eval(const air_path *path, const path_vertex *vertex,
+                           const path_mixture *mixture, air_vec3 wi, uint32_t light_owner,
+                           float *out_pdf)
 {
     const path_walk *walk = &vertex->walk;
     const float cosine = -vec3_dot(vertex->wo, wi);
@@ -43,7 +41,7 @@ static air_vec3 mixture_eval(const air_path *path, const path_vertex *vertex,
     float pdf = 0.0f;
     for (size_t i = 0; i < mixture->count; i++) {
         const uint32_t medium = mixture->parts[i].medium;
-        const float phase = phase_eval(path->snapshot->media.media[medium].phase, cosine);
+        const float phase = phase_eval(path->media->media[medium].phase, cosine);
         const uint32_t first = walk->depth == 1 ? medium : walk->first_medium;
         pdf += mixture->parts[i].share * phase;
         if (path_wanted(path, light_owner, first, path_term(walk))) {
@@ -56,14 +54,21 @@ static air_vec3 mixture_eval(const air_path *path, const path_vertex *vertex,
     return sum;
 }
 
-/* f cos (surfaces) or sigma_s times phase (media) towards wi. */
+/* f cos (surfaces) or sigma_s times phase (media) towards wi; receivers take radiance as it is. */
 static air_vec3 scatter_eval(const air_path *path, const path_vertex *vertex,
-                             const path_mixture *mixture, air_vec3 wi, uint32_t light_owner,
-                             float *out_pdf)
+                             const path_mixture *mixture, const air_path_receiver *receiver,
+                             air_vec3 wi, uint32_t light_owner, float *out_pdf)
 {
     const path_walk *walk = &vertex->walk;
+    if (vertex->receives) {
+        const float pdf = path_receiver_pdf(receiver, wi);
+        if (out_pdf != NULL) {
+            *out_pdf = pdf;
+        }
+        return vec3_set1(pdf > 0.0f ? 1.0f : 0.0f);
+    }
     if (!vertex->on_surface) {
-        return mixture_eval(path, vertex, mixture, wi, light_owner, out_pdf);
+        return path_mixture_eval(path, vertex, mixture, wi, light_owner, out_pdf);
     }
     if (!path_wanted(path, light_owner, walk->first_medium, path_term(walk))) {
         return vec3_set1(0.0f);
@@ -75,12 +80,10 @@ static air_vec3 scatter_eval(const air_path *path, const path_vertex *vertex,
     return air_bsdf_eval(bsdf, vertex->wo, wi);
 }
 
-/* Multiplies value by the transmittance towards the light, in closed form if possible; says whether
- * it was. */
-static bool attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
-                      float distance, air_vec3 *value)
+bool path_attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
+                    float distance, air_vec3 *value)
 {
-    const air_media *media = &path->snapshot->media;
+    const air_media *media = path->media;
     const air_vec3 origin = vec3_load(ray->origin), dir = vec3_load(ray->dir);
     if (media->all_constant) {
         if (media->region_count > 0) {
@@ -95,8 +98,8 @@ static bool attenuate(const air_path *path, air_path_scratch *scratch, const air
     return scratch->media.closed;
 }
 
-static air_ray shadow_ray(const path_vertex *vertex, const air_connection *connection,
-                          const air_light_point *light)
+air_ray path_shadow_ray(const path_vertex *vertex, const air_connection *connection,
+                        const air_light_point *light)
 {
     air_ray ray;
     const air_vec3 origin = vertex->on_surface
@@ -134,23 +137,32 @@ void path_draw_light(const air_path *path, const air_path_lane *lane, const path
 /* What the vertex gets through a connection if nothing is in between; combined with the chance of
  * meeting the light by a sampled direction where there is one. */
 static air_vec3 connection_value(const air_path *path, const path_vertex *vertex,
-                                 const path_mixture *mixture, const air_light_point *light,
-                                 const air_connection *connection, float probability)
+                                 const path_mixture *mixture, const air_path_receiver *receiver,
+                                 const air_light_point *light, const air_connection *connection,
+                                 float probability)
 {
     const uint32_t owner = path->snapshot->lights.entries[light->entry].owner;
     const bool shared = !light->delta && path_hittable(path, light->entry);
     float pdf_dir = 0.0f;
-    const air_vec3 f =
-        scatter_eval(path, vertex, mixture, connection->dir, owner, shared ? &pdf_dir : NULL);
+    const air_vec3 f = scatter_eval(path, vertex, mixture, receiver, connection->dir, owner,
+                                    shared ? &pdf_dir : NULL);
     const float pdf = connection->pdf * probability + pdf_dir;
     return vec3_scale(vec3_mul(vec3_mul(vertex->walk.beta, f), connection->incident),
                       vertex->light_share / pdf);
 }
 
-void path_gather(const air_path *path, air_path_scratch *scratch, const air_path_lane *lanes,
+static uint32_t target_of(const path_vertex *vertex)
+{
+    return vertex->receives       ? (uint32_t)PATH_TO_RECEIVER
+           : vertex->walk.through ? (uint32_t)PATH_THROUGH
+                                  : (uint32_t)path_term(&vertex->walk);
+}
+
+void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
                  const path_vertex *vertex, const path_mixture *mixture)
 {
     const path_walk *walk = &vertex->walk;
+    air_path_lane *lane = &lanes[walk->lane];
     const air_light_table *lights = path_lights(path, walk->depth);
     if (lights->count == 0 || vertex->light_share == 0.0f) {
         return;
@@ -160,7 +172,7 @@ void path_gather(const air_path *path, air_path_scratch *scratch, const air_path
     float probability = vertex->at.medium.light_probability;
     air_vec3 position = vertex->at.medium.position;
     if (vertex->on_surface) {
-        path_draw_light(path, &lanes[walk->lane], walk, &drawn, &probability);
+        path_draw_light(path, lane, walk, &drawn, &probability);
         position = vertex->at.surface.position;
     } else {
         light = &vertex->at.medium.light;
@@ -169,17 +181,21 @@ void path_gather(const air_path *path, air_path_scratch *scratch, const air_path
     if (!air_light_connect(lights, light, position, &connection)) {
         return;
     }
-    path_shadow shadow = {connection_value(path, vertex, mixture, light, &connection, probability),
-                          walk->lane,
-                          (uint32_t)path_term(walk),
-                          path_direction_set(walk),
-                          false,
-                          connection.distance};
+    path_shadow shadow = {.value = connection_value(path, vertex, mixture, lane->receiver, light,
+                                                    &connection, probability),
+                          .lane = walk->lane,
+                          .target = target_of(vertex),
+                          .stream = path_direction_set(walk),
+
+                          .distance = connection.distance};
     if (vec3_is_zero(shadow.value)) {
         return;
     }
-    air_ray ray = shadow_ray(vertex, &connection, light);
-    shadow.tracked = !attenuate(path, scratch, &ray, connection.distance, &shadow.value);
+    if (vertex->receives) {
+        lane->connected_dir = connection.dir;
+    }
+    air_ray ray = path_shadow_ray(vertex, &connection, light);
+    shadow.tracked = !path_attenuate(path, scratch, &ray, connection.distance, &shadow.value);
     if (vec3_is_zero(shadow.value)) {
         return;
     }

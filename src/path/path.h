@@ -1,8 +1,9 @@
 /* path.h: the reference: unbiased volumetric path tracing of a block of samples at once.
  *
- * Sixteen camera samples of one pixel go together through the stages trace, scatter, connect, so
- * that rays meet the scene in packets. What one sample gives does not depend on the fifteen others.
- */
+ * Walks start at a camera, or at a receiver: a point of a surface or of space whose incident light
+ * is asked for. Sixteen samples of one pixel or receiver go together through the stages trace,
+ * scatter, connect, so that rays meet the scene in packets. What one sample gives does not depend
+ * on the fifteen others. */
 #ifndef AIR_PATH_PATH_H
 #define AIR_PATH_PATH_H
 
@@ -12,6 +13,27 @@
 #include "scene/surface.h"
 
 enum { AIR_PATH_LANES = 16 };
+
+/* What walks make of media. */
+typedef enum air_path_media {
+    AIR_PATH_SCATTER = 0,   /* events in them: the whole truth */
+    AIR_PATH_IGNORE = 1,    /* as if there were none */
+    AIR_PATH_ATTENUATE = 2, /* nothing but transmittance */
+    AIR_PATH_GATHER = 3 /* transmittance, and light scattered towards walks that stay on surfaces,
+                               of a source that the caller knows; by one event between light and
+                               receiver it is asked for without bias (through.c) */
+} air_path_media;
+
+/* AIR_PATH_GATHER: the light that a point of a medium scatters towards wo, over sigma_s: the
+ * integral of phase function times radiance over all directions. lights: light straight from the
+ * lights too. scattered NULL: no light. */
+typedef struct air_path_source {
+    air_vec3 (*scattered)(const void *user, air_vec3 position, uint32_t medium, air_vec3 wo,
+                          bool lights);
+    const void *user;
+    bool through; /* light by one event between a light and the receiver is asked for without bias,
+                     the source gives none of it */
+} air_path_source;
 
 typedef struct air_path_settings {
     uint32_t max_depth;
@@ -23,11 +45,14 @@ typedef struct air_path_settings {
     void (*vertex_hook)(void *user, size_t x, size_t y, uint32_t sample,
                         const air_path_vertex *vertex);
     void *vertex_hook_user;
+    air_path_media media;
+    air_path_source source;
 } air_path_settings;
 
 /* What is the same for all samples of a render. */
 typedef struct air_path {
     const air_snapshot *snapshot;
+    const air_media *media; /* the snapshot's, or none */
     const air_ray_backend *rays;
     const air_sobol *sobol;
     air_path_settings settings;
@@ -49,16 +74,37 @@ air_status air_path_init(air_path *path, const air_snapshot *snapshot, const air
                          const air_path_settings *settings);
 void air_path_finish(air_path *path);
 
-/* One camera sample: in and out. */
+/* A point whose incident light is asked for. Walks that start here have it as their first vertex,
+ * of depth 1. */
+typedef struct air_path_receiver {
+    air_vec3 position;
+    air_vec3 normal;    /* unit: the axis of the cosine; light comes from its side */
+    air_vec3 geometric; /* unit, of the surface: light comes from this side too */
+    float offset;       /* by which rays leave the surface, see air_surface */
+    bool sphere;        /* a point of space: light comes from everywhere, there are no normals */
+    float uniform;      /* [0, 1]: share of directions drawn evenly, not by the cosine */
+} air_path_receiver;
+
+/* One sample: in and out. */
 typedef struct air_path_lane {
-    air_vec3 origin, dir;
+    air_vec3 origin, dir; /* of the camera's ray; of a receiver's first ray: out */
     air_sampler sampler;
     float u_distance,
         u_pick;   /* the last two numbers of the sampler's set 0; the first two chose the ray */
     float u_beam; /* for what the collimated method draws */
     uint32_t x, y, sample;
-    air_hit hit; /* what the camera's ray met, transparent surfaces passed */
+    air_hit hit; /* what the first ray met, transparent surfaces passed */
     air_vec3 terms[AIR_TERM_COUNT];
+    /* Receivers: terms are what comes along dir, over the density of dir per solid angle: S0 from
+     * lights, S+ by way of surfaces, M1 from lights by one event in a medium, M2 otherwise by
+     * media. Light asked for at the receiver itself, and light by one event between a light and the
+     * receiver (air_path_source.through), likewise over their densities, are apart. */
+    const air_path_receiver *receiver; /* borrowed; camera samples: not looked at */
+    bool left;                         /* a first ray was drawn */
+    air_vec3 connected, connected_dir;
+    air_vec3 through, through_dir;
+    air_light_point through_light; /* whose light is asked for through media */
+    float through_probability;     /* with which it was chosen */
     air_vec3 albedo, normal;
     float depth; /* of the first surface, 0 if there is none */
 } air_path_lane;
@@ -78,5 +124,9 @@ void air_path_shares(const air_path *path, const air_ray *rays, size_t count, ui
 /* Traces lanes[0..count), count <= AIR_PATH_LANES; the terms, guides included, are overwritten. */
 void air_path_trace(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
                     size_t count);
+
+/* The same from receivers. Of a lane: sampler and receiver are read. */
+void air_path_receive(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
+                      size_t count);
 
 #endif

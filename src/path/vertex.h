@@ -19,7 +19,10 @@ typedef struct path_walk {
     uint32_t lane;
     uint32_t depth;        /* events so far */
     uint32_t first_medium; /* of the first event; AIR_NO_MEDIUM if it was on a surface */
-    uint32_t branch;       /* 0: started on a surface, 1: in a medium */
+    uint32_t branch;       /* 0: started on a surface, 1: in a medium; of walks from receivers: 1
+                              once they were in a medium */
+    bool received;         /* the walk started at a receiver */
+    bool through;          /* a ray from a receiver that looks for one event in media only */
     air_vec3 beta; /* throughput, for a medium vertex still without sigma_s and phase function */
     float pdf_dir; /* density of the direction under way, per solid angle; 0 from the camera */
 } path_walk;
@@ -27,7 +30,9 @@ typedef struct path_walk {
 typedef struct path_vertex {
     path_walk walk;
     bool on_surface;
+    bool receives;     /* a receiver: at.surface has position, normals and offset only */
     bool ends;         /* light is asked for, the walk goes on elsewhere */
+    bool gathers;      /* a medium's point that sends what the source says */
     float light_share; /* factor on the light asked for */
     air_vec3 wo;       /* towards where the walk came from */
     union {
@@ -42,13 +47,17 @@ typedef struct path_vertex {
     } at;
 } path_vertex;
 
+/* Where a shadow ray's light goes: an air_term, or one of these. */
+enum { PATH_TO_RECEIVER = AIR_TERM_COUNT, PATH_THROUGH };
+
 /* A light connection waiting for its shadow ray. */
 typedef struct path_shadow {
     air_vec3 value; /* what the lane gains if nothing is in between */
     uint32_t lane;
-    uint32_t term;
+    uint32_t target;
     uint32_t stream; /* of random numbers, should the way be tracked */
     bool tracked;    /* value is still without the transmittance */
+    bool paired;     /* the next shadow ray is the way's other part; it carries no value itself */
     float distance;  /* to the light, over which the media act */
 } path_shadow;
 
@@ -94,6 +103,16 @@ static inline bool path_hittable(const air_path *path, uint32_t entry)
              (light->camera_visible || entry >= lights->explicit_count)));
 }
 
+/* For the way through media: where the event is. Its light is drawn by the light set of the event.
+ */
+static inline uint32_t path_through_set(const path_walk *walk)
+{
+    path_walk event = *walk;
+    event.depth++;
+    event.branch = 1;
+    return path_direction_set(&event);
+}
+
 /* The lights that a vertex of this depth asks. */
 static inline const air_light_table *path_lights(const air_path *path, uint32_t depth)
 {
@@ -104,6 +123,9 @@ static inline air_term path_term(const path_walk *walk)
 {
     if (walk->depth == 1) {
         return walk->branch == 0 ? AIR_TERM_S0 : AIR_TERM_M1;
+    }
+    if (walk->received && walk->depth == 2 && walk->branch == 1) {
+        return AIR_TERM_M1;
     }
     return walk->branch == 0 ? AIR_TERM_S_PLUS : AIR_TERM_M2;
 }
@@ -118,10 +140,45 @@ static inline bool path_wanted(const air_path *path, uint32_t light_owner, uint3
     if (path->settings.wanted == NULL) {
         return true;
     }
-    const size_t media = path->snapshot->media.count;
+    const size_t media = path->media->count;
     const size_t row = light_owner * (media + 1) + (medium == AIR_NO_MEDIUM ? media : medium);
     return path->settings.wanted[row * AIR_TERM_COUNT + term] != 0;
 }
+
+/* A stream for one purpose of the ray under way. The camera's ray has one of its own: a tracked ray
+ * that leaves the surface must not repeat the numbers that let the camera's ray reach it. */
+static inline air_rng path_ray_rng(const air_path_lane *lane, const path_walk *walk,
+                                   uint32_t purpose)
+{
+    return air_sampler_rng(&lane->sampler, purpose + walk->depth * 2 + walk->branch);
+}
+
+/* The vertex at which the next event will be written; the surface a ray ends on is made there at
+ * once. */
+static inline path_vertex *path_next_vertex(air_path_scratch *scratch)
+{
+    return &scratch->vertices[scratch->vertex_count];
+}
+
+/* ---- emitters that a ray meets: each adds what it sends along the ray ---- */
+
+void path_add_environments(const air_path *path, const path_walk *walk, const air_ray *ray,
+                           air_vec3 transmittance, air_path_lane *lane);
+void path_add_surface_emission(const air_path *path, const path_walk *walk, const air_ray *ray,
+                               const air_hit *hit, const air_surface *surface,
+                               air_vec3 transmittance, air_path_lane *lane);
+/* Polygon lights stop nothing; each one the ray crosses adds its radiance. */
+void path_add_polygon_lights(const air_path *path, const path_walk *walk, const air_ray *ray,
+                             float tmax, const air_ray_media *media, air_path_lane *lane);
+void path_add_media_emission(const air_path *path, const path_walk *walk,
+                             const air_ray_media *media, air_path_lane *lane);
+
+/* The events of a walk's ray, whose media are scratch->media: none, one, or more vertices. met: a
+ * surface lies at its end at t, and has been made at the next vertex; transmittance: of the whole
+ * ray, where it is closed or no event can be in the media. */
+void path_events(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
+                 const air_ray *ray, bool met, float t, air_vec3 transmittance,
+                 const air_path_lane *lane);
 
 /* The media at a medium vertex with their sigma_s: a mixture of phase functions. */
 typedef struct path_mixture {
@@ -136,13 +193,39 @@ typedef struct path_mixture {
 
 void path_mixture_make(const air_path *path, const path_vertex *vertex, path_mixture *out);
 
+/* The density per solid angle with which a receiver draws directions; 0 where it gets no light. */
+float path_receiver_pdf(const air_path_receiver *receiver, air_vec3 dir);
+/* Draws one; false if it brings no light. */
+bool path_receiver_sample(const air_path_receiver *receiver, air_f32x4 u, air_vec3 *out_dir,
+                          float *out_pdf);
+
 /* Chooses a light by power, and a point on it, for an event; the light table must not be empty. */
 void path_draw_light(const air_path *path, const air_path_lane *lane, const path_walk *walk,
                      air_light_point *out_point, float *out_probability);
 
 /* Asks for light at a vertex: queues at most one shadow ray. */
-void path_gather(const air_path *path, air_path_scratch *scratch, const air_path_lane *lanes,
+void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
                  const path_vertex *vertex, const path_mixture *mixture);
+
+/* Light by one event in the media between a light and the receiver at the vertex: queues shadow
+ * rays, or a ray that looks where the event could be. */
+void path_ask_through(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
+                      const path_vertex *vertex);
+/* That ray has arrived at t. */
+void path_arrive_through(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
+                         const air_ray *ray, float t, air_path_lane *lane);
+
+/* sigma_s times phase function towards wi of those media of a mixture whose light is wanted.
+ * out_pdf (may be NULL): the density of sampling wi. */
+air_vec3 path_mixture_eval(const air_path *path, const path_vertex *vertex,
+                           const path_mixture *mixture, air_vec3 wi, uint32_t light_owner,
+                           float *out_pdf);
+/* Multiplies value by the transmittance of the ray up to distance, in closed form if possible; says
+ * whether it was. */
+bool path_attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
+                    float distance, air_vec3 *value);
+air_ray path_shadow_ray(const path_vertex *vertex, const air_connection *connection,
+                        const air_light_point *light);
 
 /* Sends the queued shadow rays and adds what arrives. */
 void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes);

@@ -183,9 +183,12 @@ air_status air_picture_init(air_picture *picture, air_context *context,
         }
         air_blue_noise_init(picture->blue_noise);
     }
-    const air_path_settings settings = {params->max_depth,   picture->wanted,
-                                        params->terms,       params->guides,
-                                        params->vertex_hook, params->vertex_hook_user};
+    const air_path_settings settings = {.max_depth = params->max_depth,
+                                        .wanted = picture->wanted,
+                                        .terms = params->terms,
+                                        .guides = params->guides,
+                                        .vertex_hook = params->vertex_hook,
+                                        .vertex_hook_user = params->vertex_hook_user};
     status = air_path_init(&picture->path, snapshot, &picture->sobol, &settings);
     if (status == AIR_OK) {
         status = air_with_collimated_create(&picture->path, picture->owners, &picture->view,

@@ -1,0 +1,249 @@
+/* through.c: light by one event in media between a light and a receiver.
+ *
+ * Along directions drawn by the receiver's cosine this light has infinite variance: about a lamp it
+ * rises as one over the angle. In the plane through receiver, event and a light's point at the
+ * distance D, the angle theta at the receiver between event and light, and the angle v by which
+ * light turns in the event, take the two squared distances away: dV / (t^2 r^2) = dphi dtheta dv /
+ * D. For lights at infinity the direction is drawn by cosine or phase function, and the distance by
+ * what the light sends along it. */
+#include <float.h>
+
+#include "core/phase.h"
+#include "core/warp.h"
+#include "path/vertex.h"
+
+/* ---- how far light turns ---- */
+
+/* The density of v in (0, pi): in proportion to v, as even points (theta, v) of the triangle 0 <
+ * theta < v are, and for media that scatter forward in part to v / (a^2 + v^2)^(3/2), which follows
+ * v times Henyey and Greenstein's lobe with a = (1 - g) / sqrt(g). */
+typedef struct turn {
+    float share, a, inverse_a, inverse_far; /* of the second; 1 / sqrt(a^2 + pi^2) */
+} turn;
+
+static turn turn_make(const air_path *path)
+{
+    float g = 0.0f;
+    for (size_t i = 0; i < path->media->count; i++) {
+        const air_phase *phase = &path->media->media[i].phase;
+        g = float_max(g, phase->kind == AIR_PHASE_HG ? phase->g : 0.0f);
+    }
+    if (g < 0.2f) {
+        return (turn){.share = 0.0f};
+    }
+    const float a = (1.0f - g) / sqrtf(g);
+    return (turn){0.75f, a, 1.0f / a, 1.0f / sqrtf(a * a + AIR_PI_F * AIR_PI_F)};
+}
+
+/* u in [0, 1): v, and its density over v. */
+static float turn_sample(const turn *t, float u, float *out_density)
+{
+    const float even = 2.0f / (AIR_PI_F * AIR_PI_F);
+    float v;
+    if (u < t->share) {
+        const float y = t->inverse_a - u / t->share * (t->inverse_a - t->inverse_far);
+        v = sqrtf(float_max(1.0f / (y * y) - t->a * t->a, 0.0f));
+    } else {
+        v = AIR_PI_F * sqrtf((u - t->share) / (1.0f - t->share));
+    }
+    *out_density = (1.0f - t->share) * even;
+    if (t->share > 0.0f) {
+        const float d2 = t->a * t->a + v * v;
+        *out_density += t->share / (d2 * sqrtf(d2) * (t->inverse_a - t->inverse_far));
+    }
+    return v;
+}
+
+/* ---- lamps: both distances from two angles ---- */
+
+/* The way over an event: out along dir from the receiver to t, on to a light. */
+typedef struct detour {
+    air_vec3 dir;
+    float t, r;
+    float weight; /* 1 over the density of the event, with 1 / (t^2 r^2) taken away */
+} detour;
+
+/* False if no light comes that way. */
+static bool detour_make(const air_path_receiver *receiver, const turn *lobe, air_vec3 towards,
+                        air_f32x4 u, detour *out)
+{
+    const float distance = vec3_length(towards);
+    float density; /* of v over v: theta is even in (0, v) */
+    const float v = turn_sample(lobe, u[0], &density), theta = u[1] * v;
+    const float sine = sinf(v), phi = 2.0f * AIR_PI_F * u[2], s = sinf(theta);
+    if (!(distance > 0.0f) || !(sine > 1e-6f)) {
+        return false;
+    }
+    const air_frame frame = frame_from_normal(vec3_scale(towards, 1.0f / distance));
+    out->dir = frame_to_world(&frame, vec3(s * cosf(phi), s * sinf(phi), cosf(theta)));
+    out->t = distance * sinf(v - theta) / sine;
+    out->r = distance * s / sine;
+    out->weight = 2.0f * AIR_PI_F / (density * distance);
+    return path_receiver_pdf(receiver, out->dir) > 0.0f && out->t > 0.0f &&
+           out->t < 1e6f * distance;
+}
+
+/* Makes the event; false if no medium is there. The transmittance on the way multiplies *value
+ * where it is closed. */
+static bool make_event(const air_path *path, air_path_scratch *scratch, const path_vertex *vertex,
+                       const detour *way, path_vertex *event, bool *out_tracked, air_vec3 *value)
+{
+    air_ray_media *media = &scratch->media;
+    const air_vec3 from = vertex->at.surface.position;
+    air_ray_media_make(media, path->media, from, way->dir, way->t);
+    if (media->count == 0 || media->segments[media->count - 1].t1 < way->t) {
+        return false;
+    }
+    event->walk = vertex->walk;
+    event->walk.depth = 2;
+    event->walk.branch = 1;
+    event->on_surface = false;
+    event->wo = vec3_neg(way->dir);
+    event->at.medium.position = vec3_madd(from, way->t, way->dir);
+    event->at.medium.regions = media->segments[media->count - 1].regions;
+    *out_tracked = !media->closed;
+    if (media->closed) {
+        *value = vec3_mul(*value, media->transmittance);
+    }
+    return true;
+}
+
+/* Queues the two parts of the way from the receiver to the light. */
+static void queue_pair(const air_path *path, air_path_scratch *scratch, const path_vertex *vertex,
+                       const path_vertex *event, const detour *way, bool tracked,
+                       const air_light_point *light, const air_connection *connection,
+                       air_vec3 value)
+{
+    const air_vec3 origin = air_surface_origin(&vertex->at.surface, way->dir);
+    const path_shadow both = {.lane = vertex->walk.lane, .target = PATH_THROUGH};
+    path_shadow parts[2] = {both, both};
+    air_ray rays[2] = {{{origin.x, origin.y, origin.z},
+                        0.0f,
+                        {way->dir.x, way->dir.y, way->dir.z},
+                        way->t,
+                        AIR_MASK_SHADOW_OPAQUE},
+                       path_shadow_ray(event, connection, light)};
+    parts[0].stream = 0x70000u;
+    parts[0].tracked = tracked;
+    parts[0].paired = true;
+    parts[0].distance = way->t;
+    parts[1].stream = 0x70001u;
+    parts[1].distance = connection->distance;
+    parts[1].tracked = !path_attenuate(path, scratch, &rays[1], connection->distance, &value);
+    parts[0].value = value;
+    if (vec3_is_zero(value)) {
+        return;
+    }
+    if (!path->snapshot->lights.entries[light->entry].casts_shadow) {
+        rays[1].mask = 0;
+    }
+    for (int i = 0; i < 2; i++) {
+        scratch->shadows[scratch->shadow_count] = parts[i];
+        scratch->shadow_rays[scratch->shadow_count++] = rays[i];
+    }
+}
+
+static void ask_lamp(const air_path *path, air_path_scratch *scratch, air_path_lane *lane,
+                     const path_vertex *vertex)
+{
+    const air_light_table *lights = path_lights(path, 2);
+    const air_light_point *light = &lane->through_light;
+    const air_vec3 towards = vec3_sub(light->position, vertex->at.surface.position);
+    const air_f32x4 u = air_sampler_get(&lane->sampler, path_through_set(&vertex->walk));
+    const turn lobe = turn_make(path);
+    detour way;
+    path_vertex event;
+    air_connection connection;
+    bool tracked;
+    if (!detour_make(lane->receiver, &lobe, towards, u, &way)) {
+        return;
+    }
+    air_vec3 value = vec3_set1(way.weight / lane->through_probability);
+    if (!make_event(path, scratch, vertex, &way, &event, &tracked, &value) ||
+        !air_light_connect(lights, light, event.at.medium.position, &connection)) {
+        return;
+    }
+    path_mixture mixture;
+    path_mixture_make(path, &event, &mixture);
+    const uint32_t owner = lights->entries[light->entry].owner;
+    const air_vec3 scattered =
+        path_mixture_eval(path, &event, &mixture, connection.dir, owner, NULL);
+    const air_vec3 intensity = vec3_scale(connection.incident, way.r * way.r / connection.pdf);
+    value = vec3_mul(vec3_mul(value, scattered), intensity);
+    lane->through_dir = way.dir;
+    if (!vec3_is_zero(value)) {
+        queue_pair(path, scratch, vertex, &event, &way, tracked, light, &connection, value);
+    }
+}
+
+/* ---- lights at infinity: a ray that looks how far the medium reaches ---- */
+
+/* The share of directions drawn by phase functions about the light. */
+#define PHASE_SHARE 0.5f
+
+static float sky_pdf(const air_path *path, const air_path_receiver *receiver, air_vec3 to_light,
+                     air_vec3 dir)
+{
+    const float count = (float)path->media->count, cosine = vec3_dot(to_light, dir);
+    const float plain = path_receiver_pdf(receiver, dir);
+    float phase = 0.0f;
+    for (size_t i = 0; i < path->media->count; i++) {
+        phase += phase_eval(path->media->media[i].phase, cosine) / count;
+    }
+    return plain > 0.0f ? (1.0f - PHASE_SHARE) * plain + PHASE_SHARE * phase : 0.0f;
+}
+
+static air_vec3 sky_sample(const air_path *path, const air_path_receiver *receiver,
+                           air_vec3 to_light, air_f32x4 u)
+{
+    const size_t count = path->media->count;
+    air_vec3 dir;
+    float pdf;
+    if (u[2] >= PHASE_SHARE) {
+        u[2] = (u[2] - PHASE_SHARE) / (1.0f - PHASE_SHARE);
+        (void)path_receiver_sample(receiver, u, &dir, &pdf);
+        return dir;
+    }
+    const size_t medium = (size_t)(u[2] / PHASE_SHARE * (float)count);
+    const air_phase phase = path->media->media[medium < count ? medium : count - 1].phase;
+    return air_phase_sample(phase, to_light, u[0], u[1], &pdf);
+}
+
+static void ask_sky(const air_path *path, air_path_scratch *scratch, air_path_lane *lane,
+                    const path_vertex *vertex)
+{
+    const air_vec3 to_light = lane->through_light.dir;
+    const air_f32x4 u = air_sampler_get(&lane->sampler, path_through_set(&vertex->walk));
+    const air_vec3 dir = sky_sample(path, lane->receiver, to_light, u);
+    const float pdf = sky_pdf(path, lane->receiver, to_light, dir);
+    if (!(pdf > 0.0f)) {
+        return;
+    }
+    lane->through_dir = dir;
+    const air_vec3 origin = air_surface_origin(&vertex->at.surface, dir);
+    const size_t i = scratch->walk_count++;
+    scratch->walks[i] = vertex->walk;
+    scratch->walks[i].through = true;
+    scratch->walks[i].beta = vec3_set1(1.0f / pdf);
+    scratch->rays[i] = (air_ray){
+        {origin.x, origin.y, origin.z}, 0.0f, {dir.x, dir.y, dir.z}, FLT_MAX, AIR_MASK_SCATTER};
+}
+
+void path_ask_through(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
+                      const path_vertex *vertex)
+{
+    air_path_lane *lane = &lanes[vertex->walk.lane];
+    path_walk event = vertex->walk;
+    event.depth = 2;
+    event.branch = 1;
+    if (path->media->count == 0 || path->settings.max_depth < 2 ||
+        path_lights(path, 2)->count == 0) {
+        return;
+    }
+    path_draw_light(path, lane, &event, &lane->through_light, &lane->through_probability);
+    if (lane->through_light.infinite) {
+        ask_sky(path, scratch, lane, vertex);
+    } else {
+        ask_lamp(path, scratch, lane, vertex);
+    }
+}
