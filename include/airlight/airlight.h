@@ -11,6 +11,8 @@
 #include "airlight/context.h"
 #include "airlight/denoise.h"
 #include "airlight/image.h"
+#include "airlight/impulse.h"
+#include "airlight/impulse_quadrature.h"
 #include "airlight/interval.h"
 #include "airlight/light.h"
 #include "airlight/medium.h"
