@@ -10,7 +10,7 @@ cd "$(dirname "$0")/.."
 find include/airlight src cli \( -name '*.c' -o -name '*.h' \) -exec grep -HE '^[[:space:]]*#[[:space:]]*include' {} + | awk '
 BEGIN {
     rank["core"] = 0
-    rank["image"] = rank["collimated"] = rank["arealight"] = rank["ordinates"] = rank["impulse"] = 1
+    rank["atlas"] = rank["image"] = rank["collimated"] = rank["arealight"] = rank["ordinates"] = rank["impulse"] = 1
     rank["scene"] = 2
     rank["path"] = 3
     rank["render"] = rank["bake"] = 4
