@@ -13,6 +13,7 @@
 #include "airlight/image.h"
 #include "airlight/interval.h"
 #include "airlight/light.h"
+#include "airlight/lightmap.h"
 #include "airlight/medium.h"
 #include "airlight/moment.h"
 #include "airlight/phase_fit.h"
