@@ -9,6 +9,7 @@ find_package(OpenEXR 3.1 CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
 pkg_check_modules(JANSSON REQUIRED IMPORTED_TARGET jansson)
 pkg_check_modules(BLOSC REQUIRED IMPORTED_TARGET blosc)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 
 # Embree 3 is what Debian bookworm has; 4 is taken where only that is found.
 find_package(embree 3 CONFIG QUIET)
@@ -16,5 +17,5 @@ if(NOT embree_FOUND)
     find_package(embree 4 CONFIG REQUIRED)
 endif()
 
-set(AIR_LIBRARIES embree OpenEXR::OpenEXRCore PkgConfig::JANSSON PkgConfig::BLOSC ZLIB::ZLIB
+set(AIR_LIBRARIES embree OpenEXR::OpenEXRCore PkgConfig::JANSSON PkgConfig::BLOSC PkgConfig::ZSTD ZLIB::ZLIB
     OpenMP::OpenMP_C Threads::Threads m)

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Holds the layers: a file includes only its own room and lower ones.
 #
-#   core <- image, kernels <- scene <- path <- render, bake <- cli
+#   core <- image, kernels <- scene, lightmap <- path <- render, bake <- cli
 #
 # Rooms of one rank do not include each other; cli sees include/airlight only; OpenMP and Embree stay in core.
 set -eu
@@ -11,7 +11,7 @@ find include/airlight src cli \( -name '*.c' -o -name '*.h' \) -exec grep -HE '^
 BEGIN {
     rank["core"] = 0
     rank["atlas"] = rank["image"] = rank["collimated"] = rank["arealight"] = rank["ordinates"] = rank["impulse"] = 1
-    rank["scene"] = 2
+    rank["scene"] = rank["lightmap"] = 2
     rank["path"] = 3
     rank["render"] = rank["bake"] = 4
 }

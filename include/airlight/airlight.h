@@ -15,6 +15,7 @@
 #include "airlight/impulse_quadrature.h"
 #include "airlight/interval.h"
 #include "airlight/light.h"
+#include "airlight/lightmap.h"
 #include "airlight/medium.h"
 #include "airlight/moment.h"
 #include "airlight/phase_fit.h"

@@ -44,15 +44,17 @@ AIR_API const char *air_image_attribute(const air_image *image,
 AIR_API size_t air_image_attribute_count(const air_image *image);
 AIR_API const char *air_image_attribute_name(const air_image *image, size_t index);
 
-/* ---- files; the format follows the extension: .exr .hdr .png .jpg .pfm (read), .exr .png .pfm
- * (written) ---- */
+/* ---- files; the format follows the extension: .exr .hdr .png .jpg .pfm .ktx2 (read), .exr
+ * .png .pfm .ktx2 (written) ---- */
 
 /* Reads a file through the context's reader. EXR: the first part, scanlines or tiles (level 0), all
  * channels, and string attributes; the image is the display window, 0 where the data window does
  * not reach. PNG and JPEG: 8 or 16 bits, sRGB decoded to linear, R,G,B (grey too) and A, which
  * multiplies the colours. HDR: R,G,B; EXPOSURE lines are ignored. PFM: R,G,B or Y; its scale is
- * ignored. AIR_ERROR_FORMAT: garbage, truncation, a side above 65535 or more than 2^31 bytes as
- * floats; AIR_ERROR_UNSUPPORTED: another extension, deep or subsampled EXR. */
+ * ignored. KTX2: R,G,B of the first level of one flat picture, formats R16G16B16A16_SFLOAT,
+ * R32G32B32A32_SFLOAT, B10G11R11_UFLOAT and E5B9G9R9_UFLOAT, plain or Zstandard; alpha is ignored.
+ * AIR_ERROR_FORMAT: garbage, truncation, a side above 65535 or more than 2^31 bytes as floats;
+ * AIR_ERROR_UNSUPPORTED: another extension, deep or subsampled EXR, another kind of KTX2. */
 AIR_API air_status air_image_load(air_context *context, const char *path, air_image **out_image);
 
 /* NEUTRAL: Khronos PBR Neutral. STANDARD: clipped to [0,1]. RAW: the numbers themselves clipped to
@@ -60,7 +62,7 @@ AIR_API air_status air_image_load(air_context *context, const char *path, air_im
 typedef enum air_view { AIR_VIEW_NEUTRAL = 0, AIR_VIEW_STANDARD = 1, AIR_VIEW_RAW = 2 } air_view;
 
 typedef struct air_image_save_params {
-    bool half;          /* EXR: 16-bit channels; default false */
+    bool half;          /* EXR, KTX2: 16-bit channels; default false */
     bool auto_exposure; /* PNG: from the log-average luminance; default true */
     float exposure_ev;  /* PNG: stops, used when auto_exposure is false; default 0 */
     air_view view; /* PNG: default AIR_VIEW_NEUTRAL (Khronos PBR Neutral), then sRGB transfer */
@@ -72,8 +74,9 @@ AIR_API void air_image_save_params_default(air_image_save_params *params);
 /* Writes beside the final name, then renames: the file appears whole or not at all. EXR: all
  * channels and attributes, ZIP; in half, finite values beyond +-65504 become +-65504 with a
  * warning. PNG: 8 bits of R,G,B (and A); values that are not finite are written as 0. PFM: R,G,B,
- * else the only channel. params NULL: the defaults. AIR_ERROR_ARGUMENT: the format needs channels
- * the image lacks; AIR_ERROR_UNSUPPORTED: another extension. */
+ * else the only channel. KTX2: R,G,B (or Y) and an alpha of 1, Zstandard; half as for EXR. params
+ * NULL: the defaults. AIR_ERROR_ARGUMENT: the format needs channels the image lacks;
+ * AIR_ERROR_UNSUPPORTED: another extension. */
 AIR_API air_status air_image_save(air_context *context, const air_image *image, const char *path,
                                   const air_image_save_params *params);
 

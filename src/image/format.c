@@ -11,9 +11,13 @@ typedef struct format {
 } format;
 
 static const format formats[] = {
-    {".exr", air_exr_read, air_exr_write}, {".hdr", air_hdr_read, NULL},
-    {".png", air_png_read, air_png_write}, {".jpg", air_png_read, NULL},
-    {".jpeg", air_png_read, NULL},         {".pfm", air_pfm_read, air_pfm_write},
+    {".exr", air_exr_read, air_exr_write},
+    {".hdr", air_hdr_read, NULL},
+    {".png", air_png_read, air_png_write},
+    {".jpg", air_png_read, NULL},
+    {".jpeg", air_png_read, NULL},
+    {".pfm", air_pfm_read, air_pfm_write},
+    {".ktx2", air_ktx2_read, air_ktx2_write},
 };
 
 enum { FORMAT_COUNT = sizeof(formats) / sizeof(formats[0]) };
@@ -52,7 +56,7 @@ air_status air_image_load(air_context *context, const char *path, air_image **ou
     if (chosen == NULL) {
         return air_fail(context, AIR_ERROR_UNSUPPORTED,
                         "%s: the extension names no image format that can be read: "
-                        ".exr .hdr .png .jpg .jpeg .pfm",
+                        ".exr .hdr .png .jpg .jpeg .pfm .ktx2",
                         path);
     }
     void *data = NULL;
@@ -83,7 +87,7 @@ air_status air_image_save(air_context *context, const air_image *image, const ch
     if (chosen == NULL || chosen->write == NULL) {
         return air_fail(context, AIR_ERROR_UNSUPPORTED,
                         "%s: the extension names no image format that can be written: "
-                        ".exr .png .pfm",
+                        ".exr .png .pfm .ktx2",
                         path);
     }
     air_sink sink = {.context = context};

@@ -33,6 +33,7 @@ air_status air_hdr_read(air_context *context, const air_source *source, air_imag
 air_status air_png_read(air_context *context, const air_source *source,
                         air_image **out_image); /* JPEG too */
 air_status air_pfm_read(air_context *context, const air_source *source, air_image **out_image);
+air_status air_ktx2_read(air_context *context, const air_source *source, air_image **out_image);
 
 air_status air_exr_write(air_context *context, const air_image *image, const char *path,
                          const air_image_save_params *params, air_sink *sink);
@@ -40,5 +41,7 @@ air_status air_png_write(air_context *context, const air_image *image, const cha
                          const air_image_save_params *params, air_sink *sink);
 air_status air_pfm_write(air_context *context, const air_image *image, const char *path,
                          const air_image_save_params *params, air_sink *sink);
+air_status air_ktx2_write(air_context *context, const air_image *image, const char *path,
+                          const air_image_save_params *params, air_sink *sink);
 
 #endif

@@ -1,5 +1,5 @@
-/* fuzz_image.c: any bytes as an EXR, PNG or JPEG, and PFM: no crash, no leak, an image or an error.
- */
+/* fuzz_image.c: any bytes as an EXR, PNG or JPEG, PFM and KTX 2: no crash, no leak, an image or an
+ * error. */
 #include "fuzz_image.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -12,6 +12,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         fuzz_load_image(context, "input.exr");
         fuzz_load_image(context, "input.png");
         fuzz_load_image(context, "input.pfm");
+        fuzz_load_image(context, "input.ktx2");
     }
     air_context_destroy(context);
     return 0;

@@ -25,7 +25,7 @@ gltf) endings='gltf glb' ;;
 vol) endings='vol' ;;
 nvdb) endings='nvdb' ;;
 hdr) endings='hdr' ;;
-image) endings='exr png' ;;
+image) endings='exr png ktx2' ;;
 *) endings='' ;;
 esac
 for ending in $endings; do
