@@ -6,11 +6,12 @@
 #include <stdlib.h>
 
 #include "atlas/coverage.h"
+#include "atlas/separation.h"
 #include "core/vec.h"
 
 /* A triangle relative to the texel, and the box of its piece in there. */
 typedef struct sweep_entry {
-    double point[3][2], way[3][2]; /* corners; unit vectors along the sides */
+    air_flat_triangle flat;
     double low[2], high[2];
     uint32_t triangle;
 } sweep_entry;
@@ -50,39 +51,16 @@ static sweep_entry entry_of(const air_coverage *self, uint32_t number, size_t x,
     for (int k = 0; k < 2; k++) {
         double low = INFINITY, high = -INFINITY;
         for (int i = 0; i < 3; i++) {
-            e.point[i][k] = triangle.point[i][k] + (triangle.origin[k] - texel[k]);
-            low = double_min(low, e.point[i][k]);
-            high = double_max(high, e.point[i][k]);
+            e.flat.point[i][k] = triangle.point[i][k] + (triangle.origin[k] - texel[k]);
+            low = double_min(low, e.flat.point[i][k]);
+            high = double_max(high, e.flat.point[i][k]);
         }
         e.low[k] = double_max(low, 0.0);
         e.high[k] = double_min(high, 1.0);
     }
-    for (int i = 0; i < 3; i++) {
-        const double *a = e.point[i], *b = e.point[(i + 1) % 3];
-        const double way[2] = {b[0] - a[0], b[1] - a[1]};
-        const double length = sqrt(way[0] * way[0] + way[1] * way[1]);
-        e.way[i][0] = way[0] / length;
-        e.way[i][1] = way[1] / length;
-    }
+    air_flat_triangle_set_ways(&e.flat);
     *tolerance = double_max(*tolerance, tolerance_of(part));
     return e;
-}
-
-/* Is the other triangle beyond one of self's sides, but for the tolerance? */
-static bool is_beyond(const sweep_entry *self, const sweep_entry *other, double tolerance)
-{
-    for (int i = 0; i < 3; i++) {
-        const double *from = self->point[i], *way = self->way[i];
-        double deepest = -INFINITY;
-        for (int k = 0; k < 3; k++) {
-            const double *p = other->point[k];
-            deepest = double_max(deepest, way[0] * (p[1] - from[1]) - way[1] * (p[0] - from[0]));
-        }
-        if (deepest <= tolerance) {
-            return true;
-        }
-    }
-    return false;
 }
 
 /* Does self's piece in the texel reach into the other triangle, deeper than the tolerance and as
@@ -91,15 +69,15 @@ static bool reaches_into(const sweep_entry *self, const sweep_entry *other, doub
 {
     air_piece a = {.count = 3}, b;
     for (int i = 0; i < 3; i++) {
-        a.point[i][0] = self->point[i][0];
-        a.point[i][1] = self->point[i][1];
+        a.point[i][0] = self->flat.point[i][0];
+        a.point[i][1] = self->flat.point[i][1];
     }
     air_piece_cut(&a, 0, 0.0, false, &b);
     air_piece_cut(&b, 0, 1.0, true, &a);
     air_piece_cut(&a, 1, 0.0, false, &b);
     air_piece_cut(&b, 1, 1.0, true, &a);
     for (int i = 0; i < 3; i++) {
-        air_piece_cut_line(&a, other->point[i], other->way[i], tolerance, &b);
+        air_piece_cut_line(&a, other->flat.point[i], other->flat.way[i], tolerance, &b);
         a = b;
     }
     return air_piece_area(&a) > tolerance * tolerance;
@@ -108,7 +86,7 @@ static bool reaches_into(const sweep_entry *self, const sweep_entry *other, doub
 static bool overlap(const sweep_entry *a, const sweep_entry *b, double tolerance)
 {
     if (b->low[1] >= a->high[1] - tolerance || a->low[1] >= b->high[1] - tolerance ||
-        is_beyond(a, b, tolerance) || is_beyond(b, a, tolerance)) {
+        !air_flat_triangles_overlap(&a->flat, &b->flat, tolerance)) {
         return false;
     }
     return reaches_into(a, b, tolerance) || reaches_into(b, a, tolerance);
