@@ -13,6 +13,7 @@ static const struct {
     const char *summary;
 } commands[] = {
     {"render", cli_render, "render a scene into a picture"},
+    {"bake", cli_bake, "bake light into lightmaps, vertices and probes"},
     {"info", cli_info, "tell what was understood of a scene, or what an image holds"},
     {"diff", cli_diff, "compare two images: metrics, Z-test, false-colour picture"},
     {"merge", cli_merge, "add films of the same picture with different samples"},

@@ -6,6 +6,7 @@
 #include "airlight/area_table.h"
 #include "airlight/arealight.h"
 #include "airlight/arealight_eval.h"
+#include "airlight/bake.h"
 #include "airlight/collimated.h"
 #include "airlight/collimated_walk.h"
 #include "airlight/context.h"

@@ -93,6 +93,9 @@ typedef struct air_mesh_desc {
     float to_world[12];  /* 3 rows of 4, applied to all of the above */
     bool camera_visible; /* default true */
     bool casts_shadow;   /* default true */
+    /* Where a scene file has it: node, and primitive of the node's mesh; default -1: nowhere. Told
+     * on to what is made of the mesh (lightmap.h). */
+    int32_t node, primitive;
 } air_mesh_desc;
 
 AIR_API void air_mesh_desc_default(air_mesh_desc *desc);

@@ -61,7 +61,7 @@ static air_vec3 scatter_eval(const air_path *path, const path_vertex *vertex,
 {
     const path_walk *walk = &vertex->walk;
     if (vertex->receives) {
-        const float pdf = path_receiver_pdf(receiver, wi);
+        const float pdf = air_receiver_sample_pdf(receiver, wi);
         if (out_pdf != NULL) {
             *out_pdf = pdf;
         }

@@ -176,7 +176,7 @@ static void add_source(const air_path *path, const path_vertex *vertex, const pa
  * over its density when the walk has ended, so that throughput starts at 1. */
 static bool sample_receiver(air_f32x4 u, path_walk *walk, air_vec3 *dir, air_path_lane *lane)
 {
-    lane->left = path_receiver_sample(lane->receiver, u, dir, &walk->pdf_dir);
+    lane->left = air_receiver_sample(lane->receiver, u, dir, &walk->pdf_dir);
     lane->dir = *dir;
     return lane->left;
 }

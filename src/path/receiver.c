@@ -1,8 +1,8 @@
-/* receiver.c: walks that start where light is received. */
-#include "core/warp.h"
-#include "path/vertex.h"
+#include "path/receiver.h"
 
-float path_receiver_pdf(const air_path_receiver *receiver, air_vec3 dir)
+#include "core/warp.h"
+
+float air_receiver_sample_pdf(const air_path_receiver *receiver, air_vec3 dir)
 {
     if (receiver->sphere) {
         return sample_sphere_pdf();
@@ -24,8 +24,8 @@ static air_vec3 uniform_hemisphere(float u1, float u2)
     return vec3(d.x * stretch, d.y * stretch, 1.0f - r2);
 }
 
-bool path_receiver_sample(const air_path_receiver *receiver, air_f32x4 u, air_vec3 *out_dir,
-                          float *out_pdf)
+bool air_receiver_sample(const air_path_receiver *receiver, air_f32x4 u, air_vec3 *out_dir,
+                         float *out_pdf)
 {
     if (receiver->sphere) {
         *out_dir = sample_sphere(u[0], u[1]);
@@ -35,6 +35,6 @@ bool path_receiver_sample(const air_path_receiver *receiver, air_f32x4 u, air_ve
             frame_to_world(&frame, u[2] < receiver->uniform ? uniform_hemisphere(u[0], u[1])
                                                             : sample_cosine_hemisphere(u[0], u[1]));
     }
-    *out_pdf = path_receiver_pdf(receiver, *out_dir);
+    *out_pdf = air_receiver_sample_pdf(receiver, *out_dir);
     return *out_pdf > 0.0f;
 }

@@ -79,7 +79,7 @@ static bool detour_make(const air_path_receiver *receiver, const turn *lobe, air
     out->t = distance * sinf(v - theta) / sine;
     out->r = distance * s / sine;
     out->weight = 2.0f * AIR_PI_F / (density * distance);
-    return path_receiver_pdf(receiver, out->dir) > 0.0f && out->t > 0.0f &&
+    return air_receiver_sample_pdf(receiver, out->dir) > 0.0f && out->t > 0.0f &&
            out->t < 1e6f * distance;
 }
 
@@ -185,7 +185,7 @@ static float sky_pdf(const air_path *path, const air_path_receiver *receiver, ai
                      air_vec3 dir)
 {
     const float count = (float)path->media->count, cosine = vec3_dot(to_light, dir);
-    const float plain = path_receiver_pdf(receiver, dir);
+    const float plain = air_receiver_sample_pdf(receiver, dir);
     float phase = 0.0f;
     for (size_t i = 0; i < path->media->count; i++) {
         phase += phase_eval(path->media->media[i].phase, cosine) / count;
@@ -201,7 +201,7 @@ static air_vec3 sky_sample(const air_path *path, const air_path_receiver *receiv
     float pdf;
     if (u[2] >= PHASE_SHARE) {
         u[2] = (u[2] - PHASE_SHARE) / (1.0f - PHASE_SHARE);
-        (void)path_receiver_sample(receiver, u, &dir, &pdf);
+        (void)air_receiver_sample(receiver, u, &dir, &pdf);
         return dir;
     }
     const size_t medium = (size_t)(u[2] / PHASE_SHARE * (float)count);

@@ -4,6 +4,7 @@
 #define AIR_PATH_VERTEX_H
 
 #include "path/path.h"
+#include "path/receiver.h"
 
 /* Two walks can start from one camera sample: from the surface it sees, and from the medium before
  * it. A medium event can have two vertices: one to go on from, one to ask for light at. */
@@ -192,12 +193,6 @@ typedef struct path_mixture {
 } path_mixture;
 
 void path_mixture_make(const air_path *path, const path_vertex *vertex, path_mixture *out);
-
-/* The density per solid angle with which a receiver draws directions; 0 where it gets no light. */
-float path_receiver_pdf(const air_path_receiver *receiver, air_vec3 dir);
-/* Draws one; false if it brings no light. */
-bool path_receiver_sample(const air_path_receiver *receiver, air_f32x4 u, air_vec3 *out_dir,
-                          float *out_pdf);
 
 /* Chooses a light by power, and a point on it, for an event; the light table must not be empty. */
 void path_draw_light(const air_path *path, const air_path_lane *lane, const path_walk *walk,

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "render/fingerprint.h"
+#include "scene/fingerprint.h"
 
 /* What must agree before samples may be added to another picture's. */
 static uint64_t settings_hash(const air_picture *picture)

@@ -8,7 +8,11 @@ static const float identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 void air_mesh_desc_default(air_mesh_desc *desc)
 {
-    *desc = (air_mesh_desc){.material = AIR_NONE, .camera_visible = true, .casts_shadow = true};
+    *desc = (air_mesh_desc){.material = AIR_NONE,
+                            .camera_visible = true,
+                            .casts_shadow = true,
+                            .node = -1,
+                            .primitive = -1};
     memcpy(desc->to_world, identity, sizeof identity);
 }
 
@@ -186,6 +190,8 @@ air_status air_mesh_record_create(air_context *context, const air_mesh_desc *des
     memcpy(record->to_world, desc->to_world, sizeof record->to_world);
     record->material = desc->material;
     record->camera_visible = desc->camera_visible;
+    record->node = desc->node;
+    record->primitive = desc->primitive;
     record->casts_shadow = desc->casts_shadow;
     if (previous != NULL)
         share_with_previous(desc, previous, record);
@@ -346,5 +352,7 @@ void air_mesh_init(const air_mesh_record *record, uint32_t material_index,
                            .material = material_index,
                            .mask = mask,
                            .first_emitter = UINT32_MAX,
-                           .flip = world->flip};
+                           .flip = world->flip,
+                           .node = record->node,
+                           .primitive = record->primitive};
 }

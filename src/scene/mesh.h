@@ -33,6 +33,7 @@ typedef struct air_mesh_record {
     float to_world[12];
     air_handle material;
     bool camera_visible, casts_shadow;
+    int32_t node, primitive;
 } air_mesh_record;
 
 /* Checks and copies a description; the material handle is not looked at. Arrays that are the same

@@ -61,6 +61,7 @@ typedef struct air_mesh {
     uint32_t mask;
     uint32_t first_emitter; /* light table index of triangle 0 if it emits, else UINT32_MAX */
     bool flip; /* to_world mirrors: the front is where (p1-p0)x(p2-p0) points away from */
+    int32_t node, primitive; /* as described */
 } air_mesh;
 
 typedef struct air_camera {

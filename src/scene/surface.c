@@ -43,7 +43,8 @@ static hit_place find_place(const air_snapshot *snapshot, const air_hit *hit)
  * any edge.
  *
  * Together u (6 n.|p| + 10 D); FLT_EPSILON is 2 u. */
-static void set_position(const hit_place *place, float inverse_area2, air_surface *out)
+static void set_position(const hit_place *place, float inverse_area2, air_vec3 normal,
+                         air_vec3 *out_position, float *out_offset)
 {
     const float *positions = place->mesh->positions;
     const air_vec3 p0 = vec3_load(positions + 3 * (size_t)place->corners[0]);
@@ -51,10 +52,9 @@ static void set_position(const hit_place *place, float inverse_area2, air_surfac
     const air_vec3 e2 = vec3_sub(vec3_load(positions + 3 * (size_t)place->corners[2]), p0);
     const air_vec3 p = vec3_add(p0, vec3_madd(vec3_scale(e1, place->b[1]), place->b[2], e2));
     const float edges = vec3_length(e1) * vec3_length(e2) * vec3_length(vec3_sub(e2, e1));
-    const float coordinate =
-        fabsf(out->normal.x * p.x) + fabsf(out->normal.y * p.y) + fabsf(out->normal.z * p.z);
-    out->position = p;
-    out->offset = FLT_EPSILON * (3.0f * coordinate + 5.0f * (edges * inverse_area2));
+    const float coordinate = fabsf(normal.x * p.x) + fabsf(normal.y * p.y) + fabsf(normal.z * p.z);
+    *out_position = p;
+    *out_offset = FLT_EPSILON * (3.0f * coordinate + 5.0f * (edges * inverse_area2));
 }
 
 /* ---- attributes ---- */
@@ -232,7 +232,7 @@ void air_surface_make(const air_snapshot *snapshot, const air_hit *hit, air_vec3
     const air_vec3 area2 = vec3_load(hit->normal);
     const float inverse_area2 = 1.0f / vec3_length(area2);
     out->normal = vec3_scale(area2, mesh->flip ? -inverse_area2 : inverse_area2);
-    set_position(&place, inverse_area2, out);
+    set_position(&place, inverse_area2, out->normal, &out->position, &out->offset);
 
     const bool front = vec3_dot(out->normal, dir) < 0.0f;
     out->emission = front || material->double_sided ? material->emission : vec3_set1(0.0f);
@@ -258,4 +258,22 @@ void air_surface_make(const air_snapshot *snapshot, const air_hit *hit, air_vec3
         input.specular = 0.0f;
     }
     air_bsdf_make(&input, &out->bsdf);
+}
+
+bool air_surface_place_make(const air_mesh *mesh, uint32_t triangle, float u, float v,
+                            air_surface_place *out)
+{
+    const hit_place place = {
+        .mesh = mesh, .corners = mesh->indices + 3 * (size_t)triangle, .b = {1.0f - u - v, u, v}};
+    const air_vec3 p0 = vec3_load(mesh->positions + 3 * (size_t)place.corners[0]);
+    const air_vec3 p1 = vec3_load(mesh->positions + 3 * (size_t)place.corners[1]);
+    const air_vec3 p2 = vec3_load(mesh->positions + 3 * (size_t)place.corners[2]);
+    const air_vec3 area2 = vec3_cross(vec3_sub(p1, p0), vec3_sub(p2, p0));
+    const float length = vec3_length(area2);
+    if (!(length > 0.0f) || !isfinite(length))
+        return false;
+    out->geometric = vec3_scale(area2, mesh->flip ? -1.0f / length : 1.0f / length);
+    out->normal = shading_normal(&place, out->geometric);
+    set_position(&place, 1.0f / length, out->geometric, &out->position, &out->offset);
+    return true;
 }

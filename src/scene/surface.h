@@ -21,6 +21,15 @@ typedef struct air_surface {
 void air_surface_make(const air_snapshot *snapshot, const air_hit *hit, air_vec3 dir,
                       air_surface *out);
 
+/* A point of a mesh, seen from the front of its triangle, without its material: weights are those
+ * of vertices 1 and 2. normal: the interpolated one, unit. False for a triangle without area. */
+typedef struct air_surface_place {
+    air_vec3 position, normal, geometric;
+    float offset;
+} air_surface_place;
+bool air_surface_place_make(const air_mesh *mesh, uint32_t triangle, float u, float v,
+                            air_surface_place *out);
+
 /* Only the coverage of a hit, for shadow rays. */
 float air_surface_alpha(const air_snapshot *snapshot, const air_hit *hit);
 

@@ -220,7 +220,8 @@ static size_t mend_normals(air_primitive *primitive)
     return count;
 }
 
-static air_status add_primitive(air_gltf *gltf, const air_import_object *object, const air_json *at)
+static air_status add_primitive(air_gltf *gltf, const air_import_object *object, size_t index,
+                                const air_json *at)
 {
     const air_json material_at = air_json_get(at, "material");
     const air_json targets = air_json_get(at, "targets");
@@ -261,6 +262,8 @@ static air_status add_primitive(air_gltf *gltf, const air_import_object *object,
     memcpy(desc.to_world, object->to_world, sizeof desc.to_world);
     desc.camera_visible = object->camera_visible;
     desc.casts_shadow = object->casts_shadow;
+    desc.node = (int32_t)object->node;
+    desc.primitive = (int32_t)index;
     status = air_scene_add_mesh(gltf->import->scene, &desc, &mesh_handle);
     if (status != AIR_OK)
         status = air_json_place_error(at, status);
@@ -283,7 +286,7 @@ air_status air_gltf_add_mesh(air_gltf *gltf, const air_import_object *object)
     }
     for (size_t i = 0; i < air_json_count(&primitives) && status == AIR_OK; ++i) {
         const air_json at = air_json_at(&primitives, i);
-        status = add_primitive(gltf, object, &at);
+        status = add_primitive(gltf, object, i, &at);
     }
     return status;
 }

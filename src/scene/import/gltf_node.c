@@ -111,8 +111,8 @@ static air_status read_reference(const air_json *at, const air_json *array, cons
 }
 
 /* What a node carries becomes an object; a node without anything is none. */
-static air_status add_object(air_gltf *gltf, const air_json *at, const float to_world[12],
-                             size_t *out_object)
+static air_status add_object(air_gltf *gltf, size_t node, const air_json *at,
+                             const float to_world[12], size_t *out_object)
 {
     const air_json mesh_at = air_json_get(at, "mesh");
     const air_json camera_at = air_json_get(at, "camera");
@@ -139,6 +139,7 @@ static air_status add_object(air_gltf *gltf, const air_json *at, const float to_
     object->name = name_of(at);
     object->data_name = name_of(&data);
     memcpy(object->to_world, to_world, sizeof object->to_world);
+    object->node = node;
     object->mesh = mesh;
     object->camera = camera;
     object->light = light;
@@ -173,7 +174,7 @@ static air_status visit(air_walk *walk, const air_pending_node *pending)
     for (size_t i = 0; i < 12; ++i)
         if (!isfinite(to_world[i]))
             return air_json_fail(&at, AIR_ERROR_FORMAT, "the node's transformation is not finite");
-    status = add_object(gltf, &at, to_world, &object);
+    status = add_object(gltf, pending->node, &at, to_world, &object);
     if (status == AIR_OK)
         status = add_extras(gltf, &at, to_world, AIR_SIDECAR_NODE, object);
     return status == AIR_OK ? push_list(walk, &children, to_world) : status;

@@ -17,6 +17,7 @@ typedef struct air_import_object {
     float to_world[12];
     size_t mesh, light, camera; /* indices in the scene file, SIZE_MAX: none */
     bool camera_visible, casts_shadow;
+    size_t node;        /* of the file, SIZE_MAX: none */
     bool bounds_medium; /* bounds a medium and is not itself rendered */
 } air_import_object;
 

@@ -1,4 +1,4 @@
-#include "render/fingerprint.h"
+#include "scene/fingerprint.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* fingerprint.h: a number that differs where pictures would. */
-#ifndef AIR_RENDER_FINGERPRINT_H
-#define AIR_RENDER_FINGERPRINT_H
+#ifndef AIR_SCENE_FINGERPRINT_H
+#define AIR_SCENE_FINGERPRINT_H
 
 #include "scene/snapshot.h"
 

@@ -1,0 +1,23 @@
+/* texels.h: the covered texels of a page as sites. */
+#ifndef AIR_BAKE_TEXELS_H
+#define AIR_BAKE_TEXELS_H
+
+#include "bake/layout.h"
+#include "bake/sites.h"
+
+typedef struct air_texel_sites {
+    const air_snapshot *snapshot;
+    const air_bake_page *page;
+    uint32_t *texels; /* y * width + x, by rows */
+    size_t count;
+    float uniform; /* see air_path_receiver */
+} air_texel_sites;
+
+air_status air_texel_sites_init(air_context *context, const air_snapshot *snapshot,
+                                const air_bake_page *page, air_texel_sites *out);
+void air_texel_sites_finish(air_context *context, air_texel_sites *sites);
+
+/* air_site_list.draw, with air_texel_sites as user. */
+bool air_texel_draw(const void *user, size_t site, const float u[2], air_path_receiver *out);
+
+#endif
