@@ -33,8 +33,8 @@ struct air_impulse_response {
     impulse_batch *batch;
     air_impulse_emitter emitter;
     size_t bins, angles, channel_count;
-    float first, scale; /* of the bins in u */
-    float angle_scale;
+    float first, scale;         /* of the bins in u */
+    float quarter, angle_scale; /* angles of a right angle */
     response_channel channels[AIR_IMPULSE_CHANNELS_MAX];
 };
 
@@ -94,7 +94,8 @@ typedef struct response_place {
 
 static inline response_place response_angle(const air_impulse_response *r, float cos_s)
 {
-    const float at = impulse_arc_cosine(clamp_cosine(cos_s)) * r->angle_scale;
+    const float turned = impulse_arc_cosine(clamp_cosine(cos_s)) * r->angle_scale;
+    const float at = turned + float_max(0.0f, turned - r->quarter);
     const int32_t lower = (int32_t)float_min(at, (float)(int32_t)r->angles - 2.0f);
     return (response_place){lower, at - (float)lower};
 }

@@ -96,8 +96,9 @@ static void tile_angles(const air_impulse_response *r, size_t count, batch_tile 
     const lanes last = lanes_all((float)(int32_t)r->angles - 2.0f), one = lanes_all(1.0f);
     for (size_t i = 0; i < count; i += LANES) {
         const lanes c = lanes_max(-one, lanes_min(one, lanes_load(tile->cos_s + i)));
-        lanes_place(lanes_arc_cosine(c) * r->angle_scale, last, tile->angle + i,
-                    tile->angle_share + i);
+        const lanes turned = lanes_arc_cosine(c) * r->angle_scale;
+        const lanes more = lanes_max(turned - r->quarter, lanes_all(0.0f));
+        lanes_place(turned + more, last, tile->angle + i, tile->angle_share + i);
     }
 }
 

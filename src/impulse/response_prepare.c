@@ -82,7 +82,7 @@ static void prepare_bin(void *user, size_t bin, size_t worker)
         return;
     }
     for (size_t angle = 0; angle < r->angles; angle++) {
-        const double cos_s = cos(AIR_PI * (double)angle / (double)(r->angles - 1));
+        const double cos_s = cos(impulse_angle(r->angles, angle));
         (void)air_impulse_mirrored(self->tables, &self->medium, 1, self->medium.bounces,
                                    rho / sigma, cos_s, coefficients);
         area_entry(coefficients, scale,
@@ -159,7 +159,8 @@ air_status air_impulse_response_create(air_context *context, const air_impulse_t
     self->angles = tables->angles;
     self->first = (float)cbrt(IMPULSE_TAU_LEAST / IMPULSE_TAU_GREATEST);
     self->scale = (float)(self->bins - 1) / (1.0f - self->first);
-    self->angle_scale = (float)(self->angles - 1) / AIR_PI_F;
+    self->quarter = (float)(self->angles - 1) / 3.0f;
+    self->angle_scale = self->quarter * 2.0f / AIR_PI_F;
     const size_t count = self->bins * (emitter == AIR_IMPULSE_AREA ? self->angles * AREA_POWERS
                                                                    : (size_t)ZONAL_POWERS);
     for (; self->channel_count < channels; self->channel_count++) {
