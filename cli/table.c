@@ -1,21 +1,25 @@
 #include <airlight/area_ltc.h>
 #include <airlight/area_table.h>
+#include <airlight/impulse.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "host.h"
+#include "table_impulse.h"
 
 typedef struct table_options {
     const char *output;
     cli_count loss;
     cli_real g;
+    cli_impulse_options impulse;
 } table_options;
 
 static const char *const loss_names[] = {"kl", "l2", "l3", "cdf-l2", NULL};
 /* air_area_source, and one more. */
-enum { KIND_LTC = AIR_AREA_SOURCES };
-static const char *const kind_names[] = {"ltsd", "mix", "cosine", "uniform", "ltc", NULL};
+enum { KIND_LTC = AIR_AREA_SOURCES, KIND_IMPULSE };
+static const char *const kind_names[] = {"ltsd", "mix",     "cosine", "uniform",
+                                         "ltc",  "impulse", NULL};
 
 static const cli_option table_table[] = {
     {.name = "output",
@@ -37,7 +41,7 @@ static const cli_option table_table[] = {
      .min = -0.99,
      .max = 0.99,
      .offset = offsetof(table_options, g),
-     .help = "plot: the phase function's mean cosine; default 0.4."},
+     .help = "plot: the phase function's mean cosine; default 0.4, of impulse 0."},
 };
 
 static const cli_usage table_usage = {
@@ -47,13 +51,54 @@ static const cli_usage table_usage = {
         "Fits transformed spherical distributions: ltsd and mix to Henyey and Greenstein's phase "
         "function, for `render --method arealight:ltsd|mix --area-table FILE`; ltc to GGX, for "
         "engines and the library (docs/table-format.md). To be plotted also the paper's failing "
-        "sources cosine and uniform.",
+        "sources cosine and uniform. impulse: how light that fog scatters reaches surfaces.",
     .examples = "  airlight table build ltsd --loss l3 -o ltsd-l3.json\n"
                 "  airlight table build ltc -o ggx.json   # some seconds\n"
+                "  airlight table build impulse --knots=-0.3,0,0.3,0.6 -o fog.impulse\n"
                 "  airlight table info ltsd-l3.json\n"
                 "  airlight table plot ltsd --g 0.9 > fit.csv   # cosine, phase function, fit\n",
     .argument_min = 2,
     .argument_max = 2,
+};
+
+static const cli_option impulse_table[] = {
+    {.name = "bins",
+     .kind = CLI_COUNT,
+     .value = "N",
+     .min = 8,
+     .max = 1024,
+     .offset = offsetof(cli_impulse_options, bins),
+     .help = "Bins of the optical distance from 0.001 to 20; default 256."},
+    {.name = "angles",
+     .kind = CLI_COUNT,
+     .value = "N",
+     .min = 2,
+     .max = 31,
+     .offset = offsetof(cli_impulse_options, angles),
+     .help = "Angles of a patch over 90 degrees; default 16."},
+    {.name = "knots",
+     .kind = CLI_TEXT,
+     .value = "G,...",
+     .offset = offsetof(cli_impulse_options, knots),
+     .help = "Mean cosines, rising, up to 32; default 9 from -0.9 to 0.9. Those of one's media "
+             "make no error."},
+    {.name = "bounces",
+     .kind = CLI_COUNT,
+     .value = "N",
+     .min = 1,
+     .max = AIR_IMPULSE_BOUNCES_MAX,
+     .offset = offsetof(cli_impulse_options, bounces),
+     .help = "Scattering events that are kept, each by itself; default 10."},
+    {.name = "form",
+     .kind = CLI_CHOICE,
+     .value = "FORM",
+     .choices = cli_impulse_forms,
+     .offset = offsetof(cli_impulse_options, form),
+     .help = "What is kept of a patch's light: sh5 (default), sh3, zh11-energy, zh11-irradiance."},
+    {.name = "paper",
+     .kind = CLI_FLAG,
+     .offset = offsetof(cli_impulse_options, paper),
+     .help = "Begin with the paper's layout: 8 angles, 3 knots, zh11-energy."},
 };
 
 /* ---- the three actions ---- */
@@ -69,9 +114,13 @@ static cli_exit build(cli_host *host, const table_options *options, size_t kind)
 {
     air_area_table table;
     const air_area_source source = (air_area_source)kind;
-    if (options->output == NULL || (kind > AIR_AREA_SOURCE_MIX && kind != KIND_LTC)) {
-        cli_say(NULL, AIR_MESSAGE_ERROR, "table build: expected ltsd, mix or ltc, and -o FILE");
+    if (options->output == NULL || (kind > AIR_AREA_SOURCE_MIX && kind < KIND_LTC)) {
+        cli_say(NULL, AIR_MESSAGE_ERROR,
+                "table build: expected ltsd, mix, ltc or impulse, and -o FILE");
         return CLI_USAGE;
+    }
+    if (kind == KIND_IMPULSE) {
+        return cli_impulse_build(host, &options->impulse, options->output);
     }
     if (kind == KIND_LTC) {
         return build_ltc(host, options->output);
@@ -117,8 +166,12 @@ static void info_ltc(const air_area_ltc_table *table)
 static cli_exit info(cli_host *host, const char *path)
 {
     static air_area_ltc_table ltc;
-    bool is_ltc;
-    air_status status = air_area_table_is_ltc(host->context, path, &is_ltc);
+    bool is_ltc, is_impulse;
+    air_status status = air_impulse_is_tables(host->context, path, &is_impulse);
+    if (status != AIR_OK || is_impulse) {
+        return is_impulse ? cli_impulse_info(host, path) : cli_host_exit(host, status, path);
+    }
+    status = air_area_table_is_ltc(host->context, path, &is_ltc);
     if (status == AIR_OK && !is_ltc) {
         return info_lobes(host, path);
     }
@@ -165,17 +218,22 @@ static cli_exit run(cli_host *host, const table_options *options, const char *ac
     }
     const size_t kind = find(subject, kind_names);
     if (kind_names[kind] == NULL) {
-        cli_say(NULL, AIR_MESSAGE_ERROR,
-                "table: kind \"%s\" is not known: expected ltsd, mix, ltc, cosine or uniform",
-                subject);
+        cli_say(
+            NULL, AIR_MESSAGE_ERROR,
+            "table: kind \"%s\" is not known: expected ltsd, mix, ltc, impulse, cosine or uniform",
+            subject);
         return CLI_USAGE;
     }
     if (strcmp(action, "build") == 0) {
         return build(host, options, kind);
     }
     if (strcmp(action, "plot") == 0 && kind == KIND_LTC) {
-        cli_say(NULL, AIR_MESSAGE_ERROR, "table plot: expected ltsd, mix, cosine or uniform");
+        cli_say(NULL, AIR_MESSAGE_ERROR,
+                "table plot: expected ltsd, mix, cosine, uniform or impulse");
         return CLI_USAGE;
+    }
+    if (strcmp(action, "plot") == 0 && kind == KIND_IMPULSE) {
+        return cli_impulse_plot(host, &options->impulse, options->g.set ? options->g.value : 0.0);
     }
     if (strcmp(action, "plot") == 0) {
         return plot(options, (air_area_source)kind);
@@ -192,6 +250,8 @@ cli_exit cli_table(int argc, char **argv)
     cli_host host = {.context = NULL};
     const cli_option_group groups[] = {
         {"Options", table_table, sizeof table_table / sizeof table_table[0], &options},
+        {"Options of impulse", impulse_table, sizeof impulse_table / sizeof impulse_table[0],
+         &options.impulse},
         cli_host_group(&host_options)};
     const cli_parsed parsed =
         cli_parse(&table_usage, groups, sizeof groups / sizeof groups[0], &argc, argv);

@@ -39,9 +39,9 @@ enum { AIR_IMPULSE_FORMS = 4, AIR_IMPULSE_G_MAX = 32 };
 /* ---- tables ---- */
 
 typedef struct air_impulse_params {
-    size_t bins;                 /* of tau = 20 u^3, u even from 1e-3 to 20; 8 .. 1024 */
-    size_t angles;               /* theta_s even from 0 to 90 degrees, and on to 180; 2 .. 46 */
-    size_t g_count;              /* 1 .. AIR_IMPULSE_G_MAX */
+    size_t bins;    /* of tau = 20 u^3, u even from 1e-3 to 20; 8 .. 1024 */
+    size_t angles;  /* theta_s even from 0 to 90 degrees, on to 180 by halves; 2 .. 31 */
+    size_t g_count; /* 1 .. AIR_IMPULSE_G_MAX */
     double g[AIR_IMPULSE_G_MAX]; /* knots, rising, in [-0.97, 0.97] */
     int bounces;                 /* 1 .. AIR_IMPULSE_BOUNCES_MAX */
     air_impulse_form form;

@@ -25,7 +25,7 @@
 #ifndef AIRLIGHT_IMPULSE_QUADRATURE_H
 #define AIRLIGHT_IMPULSE_QUADRATURE_H
 
-#include "airlight/status.h"
+#include "airlight/context.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -74,6 +74,15 @@ AIR_API double air_impulse_point_fluence(int k, double r);
  * alpha^k air_impulse_point_fluence(k, r) for 0 < alpha <= 1. With after = 0 all that is
  * scattered. */
 AIR_API double air_impulse_point_fluence_rest(int after, double alpha, double r);
+
+/* Fluence of exactly k >= 1 events at distance r from an area patch, theta_s from its normal. For k
+ * >= 2 by reciprocity, bands 0..10 of the irradiance that a point light gives. Some 20 ms. */
+AIR_API double air_impulse_area_fluence(int k, double r, double theta_s);
+
+/* Fluences out[0..k_max] of the directional light at depth tau in (0, 20]; relative error below
+ * 1e-5. Takes some 40 ms, and memory while it runs: AIR_ERROR_MEMORY. */
+AIR_API air_status air_impulse_directional_fluences(air_context *context, int k_max, double tau,
+                                                    double *out);
 
 #ifdef __cplusplus
 }

@@ -116,7 +116,7 @@ static void plan_angles(impulse_plan *plan, size_t angles)
         }
     }
     for (size_t i = 0; i < angles; i++) {
-        plan->theta_s[i] = AIR_PI * (double)i / (double)(angles - 1);
+        plan->theta_s[i] = impulse_angle(angles, i);
         angle_weights(plan, i);
     }
 }

@@ -1,279 +1,37 @@
-/* response.c: media's responses prepared, and asked. */
+/* response.c: responses asked, one place at a time. */
 #include "impulse/response.h"
 
-#include "core/host.h"
-#include "core/vec.h"
-#include "impulse/lookup.h"
-
-/* ---- preparing ---- */
-
-/* The sum of A_l c_l P_l(z) in powers of z. */
-static void zonal_entry(const double *zh, double scale, float *out)
+static float channel_irradiance(const air_impulse_response *r, const response_channel *c,
+                                const air_impulse_place_float *p, response_place angle)
 {
-    double power[AIR_IMPULSE_ORDER][AIR_IMPULSE_ORDER] = {{1.0}, {0.0, 1.0}};
-    double lobe[AIR_IMPULSE_ORDER], sum[AIR_IMPULSE_ORDER] = {0.0};
-    air_zh_clamped_cosine(AIR_IMPULSE_ORDER, lobe);
-    for (int l = 0; l < AIR_IMPULSE_ORDER; l++) {
-        for (int n = 0; n <= l; n++) {
-            if (l > 1) {
-                const double up = n > 0 ? power[l - 1][n - 1] : 0.0;
-                power[l][n] = ((2 * l - 1) * up - (l - 1) * power[l - 2][n]) / l;
-            }
-            sum[n] += scale * lobe[l] * zh[l] * power[l][n];
-        }
+    float scale, sum;
+    const response_place bin = response_bin(r, c, p->distance, &scale);
+    if (r->emitter == AIR_IMPULSE_AREA) {
+        const size_t step = r->bins * AREA_POWERS;
+        const float *const at =
+            c->entries + (size_t)angle.lower * step + (size_t)bin.lower * AREA_POWERS;
+        sum = area_sum(at, step, bin.share, angle.share, p->n_l, p->n_x);
+    } else {
+        sum = zonal_sum(c->entries + (size_t)bin.lower * ZONAL_POWERS, bin.share, p->n_l);
     }
-    for (int i = 0; i < CLAMPED_BANDS; i++) {
-        out[i] = (float)sum[clamped_band(i)];
-    }
-}
-
-/* The sum of n_l A_l c_lm y_lm, bands 0..4, in powers of z and x, with y^2 = 1 - x^2 - z^2. */
-static void area_entry(const double *sh, double scale, float *out)
-{
-    double lobe[5], c[15], e[AREA_POWERS] = {0.0};
-    air_zh_clamped_cosine(5, lobe);
-    for (int l = 0; l < 5; l++) {
-        for (int m = 0; m <= l; m++) {
-            c[l * (l + 1) / 2 + m] = scale * air_zh_scale(l) * lobe[l] * sh[l * (l + 1) / 2 + m];
-        }
-    }
-    const double k1 = sqrt(3.0 / (4.0 * AIR_PI)), k20 = sqrt(5.0 / (16.0 * AIR_PI));
-    const double k21 = sqrt(15.0 / (4.0 * AIR_PI)), k40 = 3.0 / 16.0 / sqrt(AIR_PI);
-    const double k41 = 0.75 * sqrt(2.5 / AIR_PI), k42 = 0.375 * sqrt(5.0 / AIR_PI);
-    const double k43 = 0.75 * sqrt(17.5 / AIR_PI), k44 = 3.0 / 16.0 * sqrt(35.0 / AIR_PI);
-    const double c22 = 0.5 * k21 * c[5], c40 = k40 * c[10], c41 = k41 * c[11], c42 = k42 * c[12];
-    const double c43 = k43 * c[13], c44 = k44 * c[14];
-    e[0] = c[0] / sqrt(4.0 * AIR_PI) - k20 * c[3] - c22 + 3.0 * c40 + c42 + c44;
-    e[1] = k1 * c[1];
-    e[2] = k1 * c[2];
-    e[3] = 3.0 * k20 * c[3] + c22 - 30.0 * c40 - 8.0 * c42 - 2.0 * c44;
-    e[4] = k21 * c[4] - 3.0 * c41 - 3.0 * c43;
-    e[5] = 2.0 * c22 - 2.0 * c42 - 8.0 * c44;
-    e[6] = 35.0 * c40 + 7.0 * c42 + c44;
-    e[7] = 7.0 * c41 + 3.0 * c43;
-    e[8] = 14.0 * c42 + 8.0 * c44;
-    e[9] = 4.0 * c43;
-    e[10] = 8.0 * c44;
-    for (int i = 0; i < AREA_POWERS; i++) {
-        out[i] = (float)e[i];
-    }
-}
-
-typedef struct preparing {
-    const air_impulse_tables *tables;
-    air_impulse_medium medium;
-    air_impulse_response *response;
-    response_channel *channel;
-} preparing;
-
-static void prepare_bin(void *user, size_t bin, size_t worker)
-{
-    const preparing *const self = user;
-    const air_impulse_response *const r = self->response;
-    const double rho = impulse_bin_tau(r->bins, bin), sigma = self->channel->sigma;
-    const double scale =
-        exp(rho) * (r->emitter == AIR_IMPULSE_DIRECTIONAL ? 1.0 : rho / (sigma * sigma));
-    double coefficients[AIR_IMPULSE_SH_COUNT];
-    (void)worker;
-    if (r->emitter != AIR_IMPULSE_AREA) {
-        air_impulse_zonal(self->tables, r->emitter, &self->medium, 1, self->medium.bounces,
-                          rho / sigma, coefficients);
-        zonal_entry(coefficients, scale, self->channel->entries + bin * ZONAL_POWERS);
-        return;
-    }
-    for (size_t angle = 0; angle < r->angles; angle++) {
-        const double cos_s = cos(AIR_PI * (double)angle / (double)(r->angles - 1));
-        (void)air_impulse_mirrored(self->tables, &self->medium, 1, self->medium.bounces,
-                                   rho / sigma, cos_s, coefficients);
-        area_entry(coefficients, scale,
-                   self->channel->entries + (angle * r->bins + bin) * AREA_POWERS);
-    }
-}
-
-/* The residual rule's excess is kept apart: it is a direction's, not bands'. */
-static void prepare_channel(const air_impulse_tables *tables, const air_impulse_medium *medium,
-                            air_impulse_response *response, response_channel *channel)
-{
-    const impulse_sum sum = impulse_sum_of(&tables->params, medium, 1, medium->bounces);
-    preparing job = {.tables = tables, .medium = *medium, .response = response, .channel = channel};
-    const double slower = sum.last > 1 ? double_min(sum.sigma_t, sum.reduced_sigma_t) : sum.sigma_t;
-    channel->sigma = medium->sigma_s > 0.0 ? (float)slower : 0.0f;
-    if (!(channel->sigma > 0.0f)) {
-        return;
-    }
-    if (sum.residual) {
-        channel->reduced = (float)sum.reduced_sigma_t;
-        channel->whole = (float)medium->sigma_t;
-        job.medium = (air_impulse_medium){
-            .sigma_s = sum.albedo * sum.sigma_t, .sigma_t = sum.sigma_t, .bounces = sum.last};
-    }
-    air_parallel_for(response->context, response->bins, prepare_bin, &job);
-}
-
-static bool is_medium(const air_impulse_medium *m)
-{
-    return m->sigma_t >= 0.0 && m->sigma_t <= 1e9 && m->sigma_s >= 0.0 &&
-           m->sigma_s <= m->sigma_t && fabs(m->g) < 1.0 && m->bounces >= 1;
-}
-
-air_status air_impulse_response_create(air_context *context, const air_impulse_tables *tables,
-                                       air_impulse_emitter emitter, const air_impulse_medium *media,
-                                       size_t channels, air_impulse_response **out)
-{
-    *out = NULL;
-    bool good = channels >= 1 && channels <= AIR_IMPULSE_CHANNELS_MAX &&
-                (unsigned)emitter < AIR_IMPULSE_EMITTERS;
-    for (size_t i = 0; i < channels && good; i++) {
-        good = is_medium(&media[i]);
-    }
-    if (!good) {
-        return air_fail(context, AIR_ERROR_ARGUMENT,
-                        "impulse response: expected 1 to 3 media with 0 <= sigma_s <= sigma_t, |g| "
-                        "< 1 and a bounce at least");
-    }
-    air_impulse_response *const self = air_allocate(context, 1, sizeof *self);
-    if (self == NULL) {
-        return air_fail_memory(context, "impulse response");
-    }
-    self->context = context;
-    self->emitter = emitter;
-    self->bins = tables->params.bins;
-    self->angles = tables->angles;
-    self->first = (float)cbrt(IMPULSE_TAU_LEAST / IMPULSE_TAU_GREATEST);
-    self->scale = (float)(self->bins - 1) / (1.0f - self->first);
-    self->angle_scale = (float)(self->angles - 1) / AIR_PI_F;
-    const size_t count = self->bins * (emitter == AIR_IMPULSE_AREA ? self->angles * AREA_POWERS
-                                                                   : (size_t)ZONAL_POWERS);
-    for (; self->channel_count < channels; self->channel_count++) {
-        response_channel *const channel = &self->channels[self->channel_count];
-        channel->entries = air_allocate(context, count, sizeof(float));
-        if (channel->entries == NULL) {
-            air_impulse_response_destroy(self);
-            return air_fail_memory(context, "impulse response");
-        }
-        prepare_channel(tables, &media[self->channel_count], self, channel);
-    }
-    *out = self;
-    return AIR_OK;
-}
-
-void air_impulse_response_destroy(air_impulse_response *response)
-{
-    if (response == NULL) {
-        return;
-    }
-    for (size_t i = 0; i < response->channel_count; i++) {
-        air_free(response->context, response->channels[i].entries);
-    }
-    air_free(response->context, response);
-}
-
-/* ---- asking ---- */
-
-/* What the channels share: where the angle lies, and the powers of the normal. */
-typedef struct receiver {
-    size_t angle;
-    float angle_share;
-    four powers[3];
-} receiver;
-
-static inline receiver receiver_of(const air_impulse_response *r, float n_l, float cos_s, float n_x)
-{
-    const float z = float_max(-1.0f, float_min(1.0f, n_l)), z2 = z * z;
-    if (r->emitter != AIR_IMPULSE_AREA) {
-        const float z4 = z2 * z2;
-        return (receiver){.powers = {{1.0f, z, z2, z4}, {z4 * z2, z4 * z4, z4 * z4 * z2, 0.0f}}};
-    }
-    const float at = impulse_arc_cosine(float_max(-1.0f, float_min(1.0f, cos_s))) * r->angle_scale;
-    const size_t lower = (size_t)(int32_t)float_min(at, (float)(r->angles - 2));
-    const float x = float_max(-1.0f, float_min(1.0f, n_x)), x2 = x * x, xz = x * z;
-    return (receiver){.angle = lower,
-                      .angle_share = at - (float)lower,
-                      .powers = {{1.0f, z, x, z2},
-                                 {xz, x2, z2 * z2, xz * z2},
-                                 {x2 * z2, xz * x2, x2 * x2, 0.0f}}};
-}
-
-static inline float zonal_sum(const float *at, float share, const receiver *n)
-{
-    const four a0 = four_load(at), a1 = four_load(at + 4);
-    const four b0 = four_load(at + 8), b1 = four_load(at + 12);
-    const four s =
-        (a0 + share * (b0 - a0)) * n->powers[0] + (a1 + share * (b1 - a1)) * n->powers[1];
-    return (s[0] + s[2]) + (s[1] + s[3]);
-}
-
-static inline float area_sum(const float *at, size_t angle_step, float share, const receiver *n)
-{
-    const float *const up = at + angle_step;
-    four sum = {0.0f, 0.0f, 0.0f, 0.0f};
-    for (int i = 0; i < AREA_POWERS; i += 4) {
-        const four a = four_load(at + i), b = four_load(at + AREA_POWERS + i);
-        const four c = four_load(up + i), d = four_load(up + AREA_POWERS + i);
-        const four low = a + share * (b - a), high = c + share * (d - c);
-        sum += (low + n->angle_share * (high - low)) * n->powers[i / 4];
-    }
-    return (sum[0] + sum[2]) + (sum[1] + sum[3]);
-}
-
-static inline float excess(const response_channel *c, air_impulse_emitter emitter, float d, float z,
-                           float cos_s)
-{
-    const float more = air_exp(-c->reduced * d) - air_exp(-c->whole * d);
-    const float facing = float_max(0.0f, z) * more;
-    if (emitter == AIR_IMPULSE_DIRECTIONAL) {
-        return facing;
-    }
-    return facing / (d * d) * (emitter == AIR_IMPULSE_AREA ? float_max(0.0f, cos_s) : 1.0f);
-}
-
-static inline float channel_irradiance(const air_impulse_response *r, const response_channel *c,
-                                       float d, float n_l, float cos_s, const receiver *n)
-{
-    const float rho = float_max(c->sigma * d, 1e-20f);
-    float e = 0.0f;
-    if (rho <= (float)IMPULSE_TAU_GREATEST && c->sigma > 0.0f) {
-        const float u = impulse_cube_root(rho * (float)(1.0 / IMPULSE_TAU_GREATEST));
-        const float at = float_max(0.0f, (u - r->first) * r->scale);
-        const size_t lower = (size_t)(int32_t)float_min(at, (float)(r->bins - 2));
-        const float share = at - (float)lower;
-        float scale = air_exp(-rho);
-        if (r->emitter == AIR_IMPULSE_AREA) {
-            const size_t step = r->bins * AREA_POWERS;
-            e = area_sum(c->entries + n->angle * step + lower * AREA_POWERS, step, share, n);
-        } else {
-            e = zonal_sum(c->entries + lower * ZONAL_POWERS, share, n);
-        }
-        scale *= r->emitter == AIR_IMPULSE_DIRECTIONAL ? 1.0f : c->sigma / d;
-        e *= scale;
-    }
-    if (c->whole > 0.0f) {
-        e += excess(c, r->emitter, d, n_l, cos_s);
-    }
-    return float_max(0.0f, e);
+    const float e = float_max(0.0f, sum * scale);
+    return c->whole > 0.0f ? e + response_excess(r, c, p->distance, p->n_l, p->cos_s) : e;
 }
 
 void air_impulse_response_irradiance(const air_impulse_response *response,
                                      const air_impulse_place_float *place, float *out)
 {
-    const receiver n = receiver_of(response, place->n_l, place->cos_s, place->n_x);
+    response_place angle = {0, 0.0f};
+    if (response->emitter == AIR_IMPULSE_AREA) {
+        angle = response_angle(response, place->cos_s);
+    }
     for (size_t i = 0; i < response->channel_count; i++) {
-        out[i] = channel_irradiance(response, &response->channels[i], place->distance, place->n_l,
-                                    place->cos_s, &n);
+        out[i] = channel_irradiance(response, &response->channels[i], place, angle);
     }
 }
 
 void air_impulse_response_batch(const air_impulse_response *response,
                                 const air_impulse_places *places, size_t count, float *const *out)
 {
-    const bool area = response->emitter == AIR_IMPULSE_AREA;
-    for (size_t j = 0; j < count; j++) {
-        const float cos_s = area ? places->cos_s[j] : 1.0f;
-        const receiver n =
-            receiver_of(response, places->n_l[j], cos_s, area ? places->n_x[j] : 0.0f);
-        for (size_t i = 0; i < response->channel_count; i++) {
-            out[i][j] = channel_irradiance(response, &response->channels[i], places->distance[j],
-                                           places->n_l[j], cos_s, &n);
-        }
-    }
+    response->batch(response, places, count, out);
 }

@@ -42,6 +42,13 @@ double impulse_bin_tau(size_t bins, size_t i)
     return IMPULSE_TAU_GREATEST * u * u * u;
 }
 
+double impulse_angle(size_t angles, size_t i)
+{
+    const double quarter = (double)(angles - 1) / 3.0, x = (double)i;
+    const double steps = x <= quarter ? x : quarter + 0.5 * (x - quarter);
+    return 0.5 * AIR_PI * steps / quarter;
+}
+
 impulse_between impulse_find_g(const air_impulse_params *params, double g)
 {
     size_t i = 0;
@@ -60,8 +67,8 @@ static air_status check(air_context *context, const air_impulse_params *p)
     const char *wrong = NULL;
     if (p->bins < 8 || p->bins > 1024) {
         wrong = "bins: expected 8 to 1024";
-    } else if (p->angles < 2 || 2 * p->angles - 1 > TABLES_ANGLES_MAX) {
-        wrong = "angles: expected 2 to 46";
+    } else if (p->angles < 2 || 3 * p->angles - 2 > TABLES_ANGLES_MAX) {
+        wrong = "angles: expected 2 to 31";
     } else if (p->g_count < 1 || p->g_count > AIR_IMPULSE_G_MAX) {
         wrong = "g_count: expected 1 to 32";
     } else if (p->bounces < 1 || p->bounces > AIR_IMPULSE_BOUNCES_MAX) {
@@ -111,7 +118,7 @@ air_status impulse_tables_allocate(air_context *context, const air_impulse_param
     }
     self->context = context;
     self->params = *params;
-    self->angles = 2 * params->angles - 1;
+    self->angles = 3 * params->angles - 2;
     /* whole vectors of four */
     self->area_stride = ((size_t)impulse_form_count(params->form) + 3) / 4 * 4;
     float **const parts[TABLES_PARTS] = {

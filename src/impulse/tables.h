@@ -26,7 +26,7 @@ typedef struct impulse_plan impulse_plan;
 struct air_impulse_tables {
     air_context *context;
     air_impulse_params params;
-    size_t angles; /* over a half turn */
+    size_t angles; /* over a half turn: 3 (params.angles - 1) + 1 */
     size_t area_stride;
     float *point;                /* [g][bin][ZONAL_STRIDE] */
     float *directional;          /* [g][bin][ZONAL_STRIDE] */
@@ -67,10 +67,15 @@ static inline impulse_between impulse_find_bin(size_t bins, double tau)
     return (impulse_between){(size_t)lower, inside - lower < 1.0 ? inside - lower : 1.0};
 }
 
+/* theta_s of angle i: behind the patch, where light falls off steeply, steps are half as wide. */
+double impulse_angle(size_t angles, size_t i);
+
 static inline impulse_between impulse_find_angle(size_t angles, double cos_s)
 {
     const double c = cos_s < -1.0 ? -1.0 : cos_s > 1.0 ? 1.0 : cos_s;
-    const double x = acos(c) / IMPULSE_PI * (double)(angles - 1);
+    const double quarter = (double)(angles - 1) / 3.0;
+    const double turned = acos(c) * 2.0 / IMPULSE_PI * quarter;
+    const double x = turned + (turned > quarter ? turned - quarter : 0.0);
     const double last = (double)(angles - 2), lower = floor(x < last ? x : last);
     return (impulse_between){(size_t)lower, x - lower};
 }
