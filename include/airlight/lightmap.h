@@ -67,10 +67,10 @@ typedef struct air_probe_set {
 
 typedef struct air_lightmap {
     /* Pages. Channels of each: R, G, B (the sum of the layers), then "direct.R", ..., "indirect.R",
-     * ..., "media.R", ...; with directional light "L1.y.R", "L1.z.R", "L1.x.R", ... (the
-     * coefficients 1, 2 and 3 of the incident radiance of all layers together; in front of them,
-     * "L0.R", ...); and "coverage.Y": share of the texel that is covered, 0 where only dilated.
-     * Rows from the top, v = 0. */
+     * ..., "media.R", ...; where known "albedo.R", ... (means of the diffuse albedo); with
+     * directional light "L1.y.R", "L1.z.R", "L1.x.R", ... (the coefficients 1, 2 and 3 of the
+     * incident radiance of all layers together; in front of them, "L0.R", ...); and "coverage.Y":
+     * share of the texel that is covered, 0 where only dilated. Rows from the top, v = 0. */
     size_t page_count;
     air_image **pages;
     size_t mesh_count;
@@ -109,16 +109,41 @@ AIR_API air_status air_lightmap_load(air_context *context, const char *folder,
 
 /* ---- for engines: docs/lightmap-engines.md ---- */
 
-/* A copy of the glTF scene `scene_path` with the lightmap in it: meshes cut for the atlas where
- * they have no TEXCOORD_1 of their own, a texture for each page, and materials that show it (see
- * docs/lightmap-engines.md). path ends in .glb or .gltf. */
+/* EMISSIVE: the surface sends out what it reflects: base colour black, emission = albedo x
+ * irradiance / pi, by the pages' albedo.R, .G, .B where they have them, else by the material's base
+ * colour factor. Every viewer shows it. LIGHTMAP: the material stays and gets MOZ_lightmap,
+ * irradiance in lux. */
+typedef enum air_lightmap_show { AIR_SHOW_EMISSIVE = 0, AIR_SHOW_LIGHTMAP = 1 } air_lightmap_show;
+
+typedef struct air_lightmap_gltf_params {
+    air_lightmap_show show; /* default AIR_SHOW_EMISSIVE */
+    float scale;      /* of all light, positive and finite; default 1: the scene's own units */
+    bool keep_lights; /* LIGHTMAP: punctual lights stay, though they are baked; default false */
+} air_lightmap_gltf_params;
+AIR_API void air_lightmap_gltf_params_default(air_lightmap_gltf_params *params);
+
+/* A copy of the glTF scene that was baked, with the lightmap in it: meshes cut for the atlas where
+ * it says so, TEXCOORD_1 in page coordinates, a texture for each page, materials that show it.
+ * Surfaces that emit (EMISSIVE) or are unlit stay as they are. path ends in .glb (all in one) or
+ * .gltf (with NAME.bin and NAME-lightmap-0.png, ... beside). Whatever else the scene has is kept.
+ * params NULL: the defaults. AIR_ERROR_FORMAT: the scene is not the one that was baked;
+ * AIR_ERROR_UNSUPPORTED: geometry compressed by KHR_draco_mesh_compression or
+ * EXT_meshopt_compression. */
 AIR_API air_status air_lightmap_save_gltf(air_context *context, const air_lightmap *lightmap,
-                                          const char *scene_path, const char *path);
+                                          const char *scene_path, const char *path,
+                                          const air_lightmap_gltf_params *params);
 AIR_API air_status air_lightmap_save_godot(air_context *context, const air_lightmap *lightmap,
                                            const char *folder);
 AIR_API air_status air_lightmap_save_bevy(air_context *context, const air_lightmap *lightmap,
                                           const char *folder);
-/* PNG with a shared multiplier: light / pi = rgb * a * range, all in [0, 1] and linear. */
+/* The largest irradiance / pi of all pages, W/(m^2 sr): what a white surface would send out there.
+ */
+AIR_API float air_lightmap_peak(const air_lightmap *lightmap);
+/* 8-bit PNG with a shared multiplier, irradiance / pi = rgb * a * range with rgb and a linear in
+ * [0, 1], and rgbm.json. The error of each channel is at most 1/255 of the texel's largest one, or
+ * range / (2 * 255^2) where that is more. Brighter texels are clamped, with a warning;
+ * air_lightmap_peak is the least range without. AIR_ERROR_ARGUMENT: range is not positive and
+ * finite. */
 AIR_API air_status air_lightmap_save_rgbm(air_context *context, const air_lightmap *lightmap,
                                           const char *folder, float range);
 

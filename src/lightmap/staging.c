@@ -76,6 +76,9 @@ air_status air_staging_begin(air_context *context, const char *folder, air_stagi
     if (out->folder == NULL) {
         return air_fail_memory(context, folder);
     }
+    for (size_t last = strlen(out->folder); last > 1 && out->folder[last - 1] == '/'; last--) {
+        out->folder[last - 1] = '\0';
+    }
     air_status status = make_folder(context, out->folder, &out->folder_made);
     if (status == AIR_OK) {
         status = make_temporary(out);
@@ -146,15 +149,20 @@ air_status air_staging_add(air_staging *self, const char *name, const void *data
 air_status air_staging_add_image(air_staging *self, const char *name, const air_image *image,
                                  const air_image_save_params *params)
 {
-    const size_t length = strlen(name);
-    const bool png = length > 4 && strcmp(name + length - 4, ".png") == 0;
+    const char *ending = strrchr(name, '.');
     air_sink sink = {.context = self->context};
     char *path = air_string_format(self->context, "%s/%s", self->folder, name);
     if (path == NULL) {
         return air_fail_memory(self->context, name);
     }
-    air_status status = png ? air_png_write(self->context, image, path, params, &sink)
-                            : air_exr_write(self->context, image, path, params, &sink);
+    air_status status = AIR_OK;
+    if (ending != NULL && strcmp(ending, ".png") == 0) {
+        status = air_png_write(self->context, image, path, params, &sink);
+    } else if (ending != NULL && strcmp(ending, ".ktx2") == 0) {
+        status = air_ktx2_write(self->context, image, path, params, &sink);
+    } else {
+        status = air_exr_write(self->context, image, path, params, &sink);
+    }
     if (status == AIR_OK) {
         status = air_staging_add(self, name, sink.data, sink.size);
     }

@@ -25,7 +25,8 @@ typedef struct air_staging {
 
 /* Makes the folder, and those above it, where they are missing. Finish it also after a failure. */
 air_status air_staging_begin(air_context *context, const char *folder, air_staging *out);
-/* Adds files. name: a plain file name. Messages name the file as it will be called. */
+/* Adds files. name: a plain file name; an image is an EXR unless it ends in .png or .ktx2. Messages
+ * name the file as it will be called. */
 air_status air_staging_add(air_staging *self, const char *name, const void *data, size_t size);
 air_status air_staging_add_image(air_staging *self, const char *name, const air_image *image,
                                  const air_image_save_params *params);

@@ -1,0 +1,126 @@
+/* gltf_page.c: pages as textures of a glTF file. */
+#include <math.h>
+#include <string.h>
+
+#include "lightmap/check.h"
+#include "lightmap/engine.h"
+#include "lightmap/gltf_show.h"
+#include "lightmap/uri.h"
+
+enum { LINEAR = 9729, CLAMP_TO_EDGE = 33071 };
+
+/* Multiplies by the albedo, divides by the largest value; both go to *page. */
+static void normalise(const air_image *source, bool by_albedo, air_image *image,
+                      air_gltf_page *page)
+{
+    const size_t count = air_image_width(image) * air_image_height(image);
+    const float *albedo[3];
+    page->has_albedo = by_albedo && air_lightmap_planes(source, "albedo", albedo);
+    for (size_t c = 0; c < 3; c++) {
+        float *plane = air_image_plane(image, c);
+        for (size_t i = 0; i < count; i++) {
+            plane[i] *= page->has_albedo ? albedo[c][i] : 1.0f;
+            page->peak = fmaxf(page->peak, plane[i]);
+        }
+    }
+    for (size_t c = 0; c < 3 && page->peak > 0.0f; c++) {
+        float *plane = air_image_plane(image, c);
+        for (size_t i = 0; i < count; i++) {
+            plane[i] /= page->peak;
+        }
+    }
+}
+
+/* 8 bits with sRGB's transfer. */
+static air_status encode(air_gltf_show *self, size_t index)
+{
+    air_context *context = self->copy->context;
+    const air_image *source = self->lightmap->pages[index];
+    air_gltf_page *page = &self->pages[index];
+    air_image *image = NULL;
+    air_image_save_params params;
+    air_image_save_params_default(&params);
+    params.auto_exposure = false;
+    params.view = AIR_VIEW_STANDARD;
+    page->png.context = context;
+    air_status status = air_lightmap_page_radiance(context, source, &image);
+    if (status == AIR_OK) {
+        normalise(source, self->params.show == AIR_SHOW_EMISSIVE, image, page);
+        status = air_png_write(context, image, "lightmap", &params, &page->png);
+    }
+    air_image_destroy(image);
+    return status;
+}
+
+/* The picture's place in the file. */
+static air_status add_image(air_gltf_show *self, size_t index, const char *stem, size_t *out_image)
+{
+    air_gltf_copy *copy = self->copy;
+    air_gltf_page *page = &self->pages[index];
+    json_t *image = json_object();
+    air_status status = AIR_OK;
+    json_object_set_new(image, "name", json_sprintf("lightmap-%zu", index));
+    json_object_set_new(image, "mimeType", json_string("image/png"));
+    if (stem == NULL) {
+        size_t view = 0;
+        status = air_gltf_copy_add_view(copy, page->png.data, page->png.size, 0, 0, &view);
+        json_object_set_new(image, "bufferView", json_integer((json_int_t)view));
+    } else {
+        char *uri = air_uri_encode(copy->context, stem);
+        status = uri == NULL ? AIR_ERROR_MEMORY : AIR_OK;
+        if (uri != NULL) {
+            json_object_set_new(image, "uri", json_sprintf("%s-lightmap-%zu.png", uri, index));
+        }
+        air_free(copy->context, uri);
+    }
+    if (status != AIR_OK) {
+        json_decref(image);
+        return status;
+    }
+    return air_gltf_copy_append(copy, "images", image, out_image);
+}
+
+/* Smooth, without smaller versions: they would mix charts. */
+static air_status add_sampler(air_gltf_copy *copy, size_t *out_index)
+{
+    json_t *sampler = json_object();
+    json_object_set_new(sampler, "magFilter", json_integer(LINEAR));
+    json_object_set_new(sampler, "minFilter", json_integer(LINEAR));
+    json_object_set_new(sampler, "wrapS", json_integer(CLAMP_TO_EDGE));
+    json_object_set_new(sampler, "wrapT", json_integer(CLAMP_TO_EDGE));
+    return air_gltf_copy_append(copy, "samplers", sampler, out_index);
+}
+
+air_status air_gltf_show_begin(air_gltf_show *self, const char *stem)
+{
+    const size_t count = self->lightmap->page_count;
+    size_t sampler = 0;
+    self->pages = air_allocate(self->copy->context, count, sizeof *self->pages);
+    if (self->pages == NULL) {
+        return air_fail_memory(self->copy->context, self->copy->path);
+    }
+    air_status status = count > 0 ? add_sampler(self->copy, &sampler) : AIR_OK;
+    for (size_t i = 0; i < count && status == AIR_OK; i++) {
+        size_t image = 0;
+        status = encode(self, i);
+        if (status == AIR_OK) {
+            status = add_image(self, i, stem, &image);
+        }
+        if (status == AIR_OK) {
+            json_t *texture = json_object();
+            json_object_set_new(texture, "sampler", json_integer((json_int_t)sampler));
+            json_object_set_new(texture, "source", json_integer((json_int_t)image));
+            status = air_gltf_copy_append(self->copy, "textures", texture, &self->pages[i].texture);
+        }
+    }
+    return status;
+}
+
+void air_gltf_show_finish(air_gltf_show *self)
+{
+    for (size_t i = 0; self->pages != NULL && i < self->lightmap->page_count; i++) {
+        air_free(self->copy->context, self->pages[i].png.data);
+    }
+    air_free(self->copy->context, self->pages);
+    air_free(self->copy->context, self->materials);
+}
