@@ -19,6 +19,8 @@ typedef struct air_seams_find_params {
     double angle_rad; /* between the normals of both sides, [0, pi]; default 20 degrees */
 } air_seams_find_params;
 
+void air_seams_find_params_default(air_seams_find_params *params);
+
 typedef struct air_seams {
     air_seam *seams;
     size_t count;
@@ -42,7 +44,7 @@ typedef struct air_seams_page {
 
 typedef struct air_seams_params {
     double hold;         /* weight of a covered texel's value against a sample; default 0.01 */
-    double hold_free;    /* of a free texel's; default 0.0001 */
+    double hold_free;    /* of a free texel's; default 0.005 */
     uint32_t iterations; /* at most; default 400 */
     double tolerance;    /* of the residual against its start; default 1e-5 */
 } air_seams_params;
@@ -56,9 +58,12 @@ typedef struct air_seams_report {
     uint32_t iterations; /* the most that a plane took */
 } air_seams_report;
 
-/* Changes the texels in the bilinear footprints of the seams, and no others, of all pages at once.
- * Each plane by itself: parallel over planes, deterministic. out_report may be NULL.
- * AIR_ERROR_ARGUMENT: a parameter out of range, a seam that names a page that is not there. */
+/* Makes the sum over samples of (difference of both sides)^2 plus that over texels of hold *
+ * change^2 least, by conjugate gradients [Hestenes1952]. Only texels in the bilinear footprints of
+ * seams change. Free texels there must have been filled (dilate.h). A jump across a seam along the
+ * texels' rows shrinks to about hold / 2 of it. Each plane by itself: parallel over planes,
+ * deterministic. out_report may be NULL. AIR_ERROR_ARGUMENT: a parameter out of range, a seam that
+ * names a page that is not there. */
 air_status air_seams_solve(air_context *context, const air_seams *seams,
                            const air_seams_page *pages, size_t page_count, size_t plane_count,
                            const air_seams_params *params, air_seams_report *out_report);
