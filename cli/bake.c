@@ -114,6 +114,21 @@ static cli_exit save(bake_run *run)
     host->finishing = true;
     cli_exit result = cli_host_exit(
         host, air_lightmap_save(context, lightmap, run->folder, &params), run->folder);
+    if (result == CLI_OK && options->gltf != NULL) {
+        result = cli_host_exit(
+            host, air_lightmap_save_gltf(context, lightmap, run->scene_path, options->gltf, NULL),
+            options->gltf);
+    }
+    if (result == CLI_OK && options->bevy != NULL) {
+        result = cli_host_exit(host, air_lightmap_save_bevy(context, lightmap, options->bevy),
+                               options->bevy);
+    }
+    if (result == CLI_OK && options->rgbm != NULL) {
+        const float range = options->rgbm_range.set ? (float)options->rgbm_range.value
+                                                    : air_lightmap_peak(lightmap);
+        result = cli_host_exit(
+            host, air_lightmap_save_rgbm(context, lightmap, options->rgbm, range), options->rgbm);
+    }
     return result;
 }
 
