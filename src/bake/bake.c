@@ -8,6 +8,7 @@
 #include "bake/layout.h"
 #include "bake/probes.h"
 #include "bake/progress.h"
+#include "bake/respond.h"
 #include "bake/texels.h"
 #include "bake/vertices.h"
 #include "scene/fingerprint.h"
@@ -45,6 +46,7 @@ typedef struct baking {
     air_bake_layout *layout;
     air_texel_sites *texels; /* one per page */
     air_light_cache *cache;
+    air_responder *responder;
     air_sobol *sobol;
     air_path path;
     bool path_made;
@@ -183,6 +185,18 @@ static air_status make_cache(baking *b)
     return status;
 }
 
+static air_status make_responder(baking *b)
+{
+    const double start = air_clock(b->context);
+    const air_responder_params params = {b->params->impulse_literal, b->params->impulse_bounces};
+    if (b->params->media != AIR_BAKE_IMPULSE || b->snapshot->media.count == 0) {
+        return AIR_OK;
+    }
+    const air_status status = air_responder_create(b->context, b->snapshot, &params, &b->responder);
+    b->report.cache_s = air_clock(b->context) - start;
+    return status;
+}
+
 static air_status make_path(baking *b)
 {
     static const air_path_media modes[AIR_BAKE_MEDIA_COUNT] = {
@@ -190,6 +204,9 @@ static air_status make_path(baking *b)
     air_path_settings settings = {.max_depth = max_depth(b->params),
                                   .terms = AIR_TERMS_ALL,
                                   .media = modes[b->params->media]};
+    if (b->responder != NULL) {
+        settings.respond = air_responder_hooks(b->responder);
+    }
     if (b->cache != NULL) {
         settings.source = (air_path_source){air_light_cache_scattered, b->cache, true};
     }
@@ -418,6 +435,9 @@ static air_status bake(baking *b)
         status = make_cache(b);
     }
     if (status == AIR_OK) {
+        status = make_responder(b);
+    }
+    if (status == AIR_OK) {
         status = make_path(b);
     }
     if (status == AIR_OK && params->lightmaps) {
@@ -437,6 +457,7 @@ static void finish(baking *b, bool complete)
         air_path_finish(&b->path);
     }
     air_light_cache_destroy(b->cache);
+    air_responder_destroy(b->responder);
     for (size_t p = 0; b->texels != NULL && p < b->layout->page_count; p++) {
         air_texel_sites_finish(b->context, &b->texels[p]);
     }

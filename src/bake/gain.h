@@ -13,6 +13,13 @@ typedef struct air_gain {
     double samples;
 } air_gain;
 
+/* Normals whose irradiance says all that bands 0 to 2 of the radiance do: the corners of an
+ * icosahedron, even to degree 5. Surfaces have their own normal in front of them. */
+enum { AIR_GAIN_AXES = AIR_RECEIVER_AXES };
+/* Fills axes[0..AIR_GAIN_AXES) for a receiver and makes them its own. coefficients: as below. */
+void air_gain_set_axes(air_path_receiver *receiver, size_t coefficients,
+                       air_vec3 axes[AIR_GAIN_AXES]);
+
 /* Adds one traced lane, with `count` coefficients of harmonics (0, 4 or 9). */
 void air_gain_add(air_gain *gain, const air_path_lane *lane, size_t count);
 

@@ -62,13 +62,20 @@ static void sample_site(const sites_run *run, air_path_scratch *scratch, size_t 
     for (uint32_t first = 0; first < list->samples; first += AIR_PATH_LANES) {
         air_path_receiver receivers[AIR_PATH_LANES];
         air_path_lane lanes[AIR_PATH_LANES];
+        air_vec3 axes[AIR_PATH_LANES][AIR_GAIN_AXES];
         size_t count = 0;
         for (uint32_t s = first; s < first + AIR_PATH_LANES && s < list->samples; s++) {
             lanes[count].sampler = air_sampler_make(path->sobol, seed, s);
             const air_f32x4 u = air_sampler_get(&lanes[count].sampler, 0);
             const float at[2] = {u[0], u[1]};
             lanes[count].receiver = &receivers[count];
-            count += list->draw(list->user, site, at, &receivers[count]);
+            receivers[count].axis_count = 0;
+            if (list->draw(list->user, site, at, &receivers[count])) {
+                if (path->settings.respond.patch != NULL) {
+                    air_gain_set_axes(&receivers[count], list->coefficients, axes[count]);
+                }
+                count++;
+            }
         }
         air_path_receive(path, scratch, lanes, count);
         for (size_t i = 0; i < count; i++) {

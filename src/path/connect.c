@@ -59,6 +59,17 @@ static air_vec3 *target_sum(air_path_lane *lane, uint32_t target)
                                       : &lane->terms[target];
 }
 
+/* Light that media scattered on the way is there where the way is free. */
+static void add_scattered(const path_shadow *shadow, float share, air_path_lane *lane)
+{
+    if (shadow->target != PATH_TO_RECEIVER) {
+        air_vec3 *sum = &lane->terms[AIR_TERM_M2];
+        *sum = vec3_add(*sum, vec3_scale(shadow->scattered, share));
+        return;
+    }
+    lane->lit_share = share;
+}
+
 void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes)
 {
     const size_t count = scratch->shadow_count;
@@ -79,6 +90,9 @@ void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane
         if (shadow->paired && shadow[1].tracked && !vec3_is_zero(value)) {
             value = vec3_mul(value, tracked_transmittance(path, scratch, &lanes[shadow->lane],
                                                           ray + 1, shadow + 1));
+        }
+        if (!vec3_is_zero(shadow->scattered)) {
+            add_scattered(shadow, share, &lanes[shadow->lane]);
         }
         air_vec3 *sum = target_sum(&lanes[shadow->lane], shadow->target);
         *sum = vec3_add(*sum, value);

@@ -18,9 +18,14 @@ static float hit_weight(const air_path *path, const path_walk *walk, uint32_t en
     return walk->pdf_dir / (walk->pdf_dir + pdf);
 }
 
-static void add(air_path_lane *lane, air_term term, air_vec3 value)
+/* Adds light that comes along the walk's ray to what the walk brings back. */
+static void add(air_path_lane *lane, const path_walk *walk, air_term term, air_vec3 light)
 {
-    lane->terms[term] = vec3_add(lane->terms[term], value);
+    lane->terms[term] = vec3_add(lane->terms[term], vec3_mul(walk->beta, light));
+    if (!vec3_is_zero(walk->scattered)) {
+        lane->terms[AIR_TERM_M2] =
+            vec3_add(lane->terms[AIR_TERM_M2], vec3_mul(walk->scattered, light));
+    }
 }
 
 /* Emission seen directly is a term of its own; after events it belongs to theirs. */
@@ -47,7 +52,7 @@ void path_add_environments(const air_path *path, const path_walk *walk, const ai
         }
         const float weight = hit_weight(path, walk, entry, air_environment_pdf(light, dir));
         const air_vec3 radiance = vec3_scale(air_environment_radiance(light, dir), weight);
-        add(lane, term, vec3_mul(vec3_mul(walk->beta, transmittance), radiance));
+        add(lane, walk, term, vec3_mul(transmittance, radiance));
     }
 }
 
@@ -72,8 +77,7 @@ void path_add_surface_emission(const air_path *path, const path_walk *walk, cons
             hit_weight(path, walk, surface->emitter,
                        air_light_hit_pdf(lights, surface->emitter, vec3_load(ray->dir), hit->t));
     }
-    const air_vec3 value = vec3_mul(vec3_mul(walk->beta, transmittance), surface->emission);
-    add(lane, term, vec3_scale(value, weight));
+    add(lane, walk, term, vec3_scale(vec3_mul(transmittance, surface->emission), weight));
 }
 
 /* The radiance of one polygon light that the ray crosses at t. */
@@ -92,8 +96,7 @@ static void add_polygon_light(const air_path *path, const path_walk *walk, uint3
     air_rng rng = path_ray_rng(lane, walk, 0x30000u);
     const float weight = hit_weight(path, walk, entry, air_light_hit_pdf(lights, entry, dir, t));
     const air_vec3 transmittance = air_track_transmittance(media, t, &rng);
-    const air_vec3 value = vec3_mul(vec3_mul(walk->beta, transmittance), radiance);
-    add(lane, term, vec3_scale(value, weight));
+    add(lane, walk, term, vec3_scale(vec3_mul(transmittance, radiance), weight));
 }
 
 /* Polygon lights stop nothing; each one the ray crosses adds its radiance. */
@@ -132,5 +135,5 @@ void path_add_media_emission(const air_path *path, const path_walk *walk,
     air_rng rng = path_ray_rng(lane, walk, 0x40000u);
     const air_vec3 radiance =
         varying ? air_track_emission(media, &rng) : air_ray_media_emission(media);
-    add(lane, term, vec3_mul(walk->beta, radiance));
+    add(lane, walk, term, radiance);
 }

@@ -38,7 +38,7 @@ static air_vec3 throughput_at(const air_path *path, const path_vertex *vertex)
     return vec3_mul(vertex->walk.beta, sigma_s);
 }
 
-static void call_hook(const air_path *path, const air_ray_media *ray, const air_path_lane *lane,
+static void call_hook(const air_path *path, const air_ray_media *ray, air_path_lane *lane,
                       const path_vertex *vertex, float length)
 {
     air_media_interval intervals[AIR_MAX_SEGMENTS];
@@ -65,13 +65,17 @@ static void call_hook(const air_path *path, const air_ray_media *ray, const air_
 }
 
 static void push_surface(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
-                         air_vec3 weight, const air_ray *ray, float t, const air_path_lane *lane)
+                         air_vec3 weight, const air_ray *ray, float t, air_path_lane *lane)
 {
     path_vertex *vertex = path_next_vertex(scratch);
     scratch->vertex_count++;
     vertex->walk = *walk;
     vertex->walk.depth++;
     vertex->walk.beta = vec3_mul(walk->beta, weight);
+    if (path_responds(path)) {
+        vertex->walk.scattered = vec3_mul(walk->scattered, weight);
+        path_respond_patch(path, scratch, ray, &vertex->at.surface, t, &vertex->walk, lane);
+    }
     if (walk->depth == 0) {
         vertex->walk.branch = 0;
         vertex->walk.first_medium = AIR_NO_MEDIUM;
@@ -105,7 +109,7 @@ static path_vertex *push_medium(air_path_scratch *scratch, const path_walk *walk
 }
 
 static void place_medium(const air_path *path, path_vertex *vertex, const air_ray_media *media,
-                         size_t segment, float t, const air_path_lane *lane)
+                         size_t segment, float t, air_path_lane *lane)
 {
     vertex->wo = vec3_neg(media->dir);
     vertex->at.medium.position = vec3_madd(media->origin, t, media->dir);
@@ -117,7 +121,7 @@ static void place_medium(const air_path *path, path_vertex *vertex, const air_ra
 
 /* Draws the light of a medium event before its distance, so that the distance can follow it. False
  * if there is none to be asked. */
-static bool draw_light(const air_path *path, path_vertex *vertex, const air_path_lane *lane)
+static bool draw_light(const air_path *path, path_vertex *vertex, air_path_lane *lane)
 {
     if (vertex->walk.through) {
         vertex->at.medium.light = lane->through_light;
@@ -191,7 +195,7 @@ static light_use use_light(const air_path *path, air_path_scratch *scratch,
 
 static void place_closed(const air_path *path, path_vertex *vertex, const air_ray_media *media,
                          const path_walk *walk, const air_distance *distance, float weight,
-                         const air_path_lane *lane)
+                         air_path_lane *lane)
 {
     vertex->walk.beta = vec3_scale(vec3_mul(walk->beta, distance->weight), weight);
     place_medium(path, vertex, media, distance->segment, distance->t, lane);
@@ -200,7 +204,7 @@ static void place_closed(const air_path *path, path_vertex *vertex, const air_ra
 /* A vertex beside another of the same event, at a distance that follows its light. */
 static void push_lit(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
                      float weight, const air_distance_guide *guide, float u, path_vertex *beside,
-                     const air_path_lane *lane)
+                     air_path_lane *lane)
 {
     path_vertex *lit = push_medium(scratch, walk);
     air_distance distance;
@@ -219,7 +223,7 @@ static void push_lit(const air_path *path, air_path_scratch *scratch, const path
  * about the light, throughput would double with every event in dense media. Light worth following
  * is asked for there or at a distance of its own, by the balance heuristic. */
 static void scatter_closed(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
-                           float weight, float u, const air_path_lane *lane)
+                           float weight, float u, air_path_lane *lane)
 {
     const air_ray_media *media = &scratch->media;
     path_vertex *vertex = push_medium(scratch, walk);
@@ -242,7 +246,7 @@ static void scatter_closed(const air_path *path, air_path_scratch *scratch, cons
 }
 
 static void scatter_tracked(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
-                            const air_collision *collision, const air_path_lane *lane)
+                            const air_collision *collision, air_path_lane *lane)
 {
     path_vertex *vertex = push_medium(scratch, walk);
     if (!draw_light(path, vertex, lane)) {
@@ -256,7 +260,7 @@ static void scatter_tracked(const air_path *path, air_path_scratch *scratch, con
  * nothing lies at the end. */
 static void events_closed(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
                           const air_ray *ray, bool met, float t, air_vec3 transmittance,
-                          const air_path_lane *lane)
+                          air_path_lane *lane)
 {
     const air_ray_media *media = &scratch->media;
     const uint32_t surface_terms = (1u << AIR_TERM_S0) | (1u << AIR_TERM_S_PLUS);
@@ -290,7 +294,7 @@ static void events_closed(const air_path *path, air_path_scratch *scratch, const
 }
 
 static void events_tracked(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
-                           const air_ray *ray, bool met, float t, const air_path_lane *lane)
+                           const air_ray *ray, bool met, float t, air_path_lane *lane)
 {
     air_rng rng = path_ray_rng(lane, walk, 0x20000u);
     const air_collision collision = air_track_collision(&scratch->media, walk->beta, &rng);
@@ -304,7 +308,7 @@ static void events_tracked(const air_path *path, air_path_scratch *scratch, cons
 /* Light that media scatter towards a walk that stays on surfaces: one point on the ray, drawn by
  * extinction, sends what the source says. */
 static void gather_on_ray(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
-                          const air_path_lane *lane)
+                          air_path_lane *lane)
 {
     const air_ray_media *media = &scratch->media;
     path_vertex *vertex = push_medium(scratch, walk);
@@ -330,8 +334,7 @@ static void gather_on_ray(const air_path *path, air_path_scratch *scratch, const
 }
 
 void path_events(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
-                 const air_ray *ray, bool met, float t, air_vec3 transmittance,
-                 const air_path_lane *lane)
+                 const air_ray *ray, bool met, float t, air_vec3 transmittance, air_path_lane *lane)
 {
     const air_ray_media *media = &scratch->media;
     if (path->settings.media == AIR_PATH_SCATTER) {
@@ -344,6 +347,7 @@ void path_events(const air_path *path, air_path_scratch *scratch, const path_wal
     }
     if (met) {
         push_surface(path, scratch, walk, transmittance, ray, t, lane);
+        lane->first = walk->depth == 1 ? transmittance : lane->first;
     }
     const bool scatters = media->scatters && (!media->closed || vec3_max(media->depth) > 0.0f);
     if (path->settings.media == AIR_PATH_GATHER && path->settings.source.scattered != NULL &&

@@ -158,6 +158,15 @@ static uint32_t target_of(const path_vertex *vertex)
                                   : (uint32_t)path_term(&vertex->walk);
 }
 
+/* Is a direction on the side of the surface from which it gets light? */
+static bool faces(const path_vertex *vertex, const air_path_lane *lane, air_vec3 dir)
+{
+    if (vertex->receives) {
+        return lane->receiver->sphere || vec3_dot(lane->receiver->geometric, dir) > 0.0f;
+    }
+    return vec3_dot(vertex->at.surface.bsdf.normal, dir) > 0.0f;
+}
+
 void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
                  const path_vertex *vertex, const path_mixture *mixture)
 {
@@ -188,15 +197,19 @@ void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane 
                           .stream = path_direction_set(walk),
 
                           .distance = connection.distance};
-    if (vec3_is_zero(shadow.value)) {
+    if (vec3_is_zero(shadow.value) && !path_responds(path)) {
         return;
     }
     if (vertex->receives) {
         lane->connected_dir = connection.dir;
     }
+    if (vertex->on_surface && path_responds(path) && faces(vertex, lane, connection.dir)) {
+        shadow.scattered =
+            path_respond_light(path, scratch, vertex, light, &connection, probability, lane);
+    }
     air_ray ray = path_shadow_ray(vertex, &connection, light);
     shadow.tracked = !path_attenuate(path, scratch, &ray, connection.distance, &shadow.value);
-    if (vec3_is_zero(shadow.value)) {
+    if (vec3_is_zero(shadow.value) && vec3_is_zero(shadow.scattered)) {
         return;
     }
     if (!lights->entries[light->entry].casts_shadow) {

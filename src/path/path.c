@@ -128,13 +128,20 @@ static bool sample_medium(const air_path *path, const path_vertex *vertex,
     return true;
 }
 
-static bool sample_surface(const path_vertex *vertex, air_f32x4 u, path_walk *walk, air_vec3 *dir)
+static bool sample_surface(const air_path *path, const path_vertex *vertex, air_f32x4 u,
+                           path_walk *walk, air_vec3 *dir)
 {
     const float numbers[3] = {u[0], u[1], u[2]};
+    const air_bsdf *bsdf = &vertex->at.surface.bsdf;
     air_vec3 weight;
-    if (!air_bsdf_sample(&vertex->at.surface.bsdf, vertex->wo, numbers, dir, &weight,
-                         &walk->pdf_dir)) {
+    if (!air_bsdf_sample(bsdf, vertex->wo, numbers, dir, &weight, &walk->pdf_dir)) {
         return false;
+    }
+    if (path_responds(path)) {
+        walk->flat = vec3_scale(vec3_mul(vec3_add(walk->beta, walk->scattered), bsdf->diffuse),
+                                1.0f / (AIR_PI_F * walk->pdf_dir));
+        walk->normal = bsdf->frame.n;
+        walk->scattered = vec3_mul(walk->scattered, weight);
     }
     walk->beta = vec3_mul(walk->beta, weight);
     return true;
@@ -145,7 +152,7 @@ static bool sample_surface(const path_vertex *vertex, air_f32x4 u, path_walk *wa
 
 static bool survives(path_walk *walk, float u)
 {
-    const float q = vec3_max(walk->beta) * (1.0f / ROULETTE_THRESHOLD);
+    const float q = vec3_max(vec3_add(walk->beta, walk->scattered)) * (1.0f / ROULETTE_THRESHOLD);
     if (q >= 1.0f) {
         return true;
     }
@@ -153,6 +160,8 @@ static bool survives(path_walk *walk, float u)
         return false;
     }
     walk->beta = vec3_scale(walk->beta, 1.0f / q);
+    walk->scattered = vec3_scale(walk->scattered, 1.0f / q);
+    walk->flat = vec3_scale(walk->flat, 1.0f / q);
     return true;
 }
 
@@ -211,7 +220,7 @@ static void leave(const air_path *path, air_path_scratch *scratch, const path_ve
     air_vec3 dir;
     const bool sampled = vertex->receives ? sample_receiver(u, &walk, &dir, &lanes[walk.lane])
                          : vertex->on_surface
-                             ? sample_surface(vertex, u, &walk, &dir)
+                             ? sample_surface(path, vertex, u, &walk, &dir)
                              : sample_medium(path, vertex, &mixture, u, &walk, &dir);
     if (!sampled || !survives(&walk, u[3])) {
         return;
@@ -292,7 +301,8 @@ static void receive(path_vertex *vertex, size_t i, air_path_lane *lane)
     const air_path_receiver *receiver = lane->receiver;
     clear(lane);
     lane->left = false;
-    lane->connected = lane->through = vec3_set1(0.0f);
+    lane->connected = lane->through = lane->first = vec3_set1(0.0f);
+    lane->lit_share = 0.0f;
     lane->origin = receiver->position;
     vertex->walk = (path_walk){.lane = (uint32_t)i,
                                .depth = 1,

@@ -12,13 +12,13 @@
 #include "path/ray_media.h"
 #include "scene/surface.h"
 
-enum { AIR_PATH_LANES = 16 };
+enum { AIR_PATH_LANES = 16, AIR_RECEIVER_AXES = 13 };
 
 /* What walks make of media. */
 typedef enum air_path_media {
     AIR_PATH_SCATTER = 0,   /* events in them: the whole truth */
     AIR_PATH_IGNORE = 1,    /* as if there were none */
-    AIR_PATH_ATTENUATE = 2, /* nothing but transmittance */
+    AIR_PATH_ATTENUATE = 2, /* nothing but transmittance, and what `respond` adds */
     AIR_PATH_GATHER = 3 /* transmittance, and light scattered towards walks that stay on surfaces,
                                of a source that the caller knows; by one event between light and
                                receiver it is asked for without bias (through.c) */
@@ -35,6 +35,26 @@ typedef struct air_path_source {
                      the source gives none of it */
 } air_path_source;
 
+/* A stretch of a path between two vertices, or a vertex and a light. */
+typedef struct air_path_segment {
+    air_vec3 origin, dir;
+    float length;               /* AIR_FAR: to a light at infinity */
+    const air_ray_media *media; /* along it */
+} air_path_segment;
+
+/* AIR_PATH_ATTENUATE: light that media scatter while it travels a segment, as irradiance at the
+ * segment's origin, on a plane of each of `count` unit normals. Both NULL: none. */
+typedef struct air_path_respond {
+    /* Of a light of unit strength at the segment's end: intensity 1 (point, spot), irradiance 1
+     * across the segment (infinite), intensity max(0, cos) about light->normal (area). */
+    void (*light)(const void *user, const air_path_segment *segment, const air_light_point *light,
+                  const air_vec3 *normals, size_t count, air_vec3 *out);
+    /* Of a patch of intensity max(0, cos) about normal. */
+    void (*patch)(const void *user, const air_path_segment *segment, air_vec3 normal,
+                  const air_vec3 *normals, size_t count, air_vec3 *out);
+    const void *user;
+} air_path_respond;
+
 typedef struct air_path_settings {
     uint32_t max_depth;
     /* wanted[(light_owner * (medium_count + 1) + medium) * AIR_TERM_COUNT + term]: what path is to
@@ -47,6 +67,7 @@ typedef struct air_path_settings {
     void *vertex_hook_user;
     air_path_media media;
     air_path_source source;
+    air_path_respond respond;
 } air_path_settings;
 
 /* What is the same for all samples of a render. */
@@ -78,11 +99,13 @@ void air_path_finish(air_path *path);
  * of depth 1. */
 typedef struct air_path_receiver {
     air_vec3 position;
-    air_vec3 normal;    /* unit: the axis of the cosine; light comes from its side */
-    air_vec3 geometric; /* unit, of the surface: light comes from this side too */
-    float offset;       /* by which rays leave the surface, see air_surface */
-    bool sphere;        /* a point of space: light comes from everywhere, there are no normals */
-    float uniform;      /* [0, 1]: share of directions drawn evenly, not by the cosine */
+    air_vec3 normal;      /* unit: the axis of the cosine; light comes from its side */
+    air_vec3 geometric;   /* unit, of the surface: light comes from this side too */
+    float offset;         /* by which rays leave the surface, see air_surface */
+    bool sphere;          /* a point of space: light comes from everywhere, there are no normals */
+    const air_vec3 *axes; /* normals for air_path_respond; borrowed */
+    size_t axis_count;    /* at most AIR_RECEIVER_AXES */
+    float uniform;        /* [0, 1]: share of directions drawn evenly, not by the cosine */
 } air_path_receiver;
 
 /* One sample: in and out. */
@@ -105,6 +128,12 @@ typedef struct air_path_lane {
     air_vec3 through, through_dir;
     air_light_point through_light; /* whose light is asked for through media */
     float through_probability;     /* with which it was chosen */
+    /* air_path_respond, for each axis of the receiver: what media scatter of light asked for at the
+     * receiver; and of each unit of radiance that leaves the first surface along -dir (over the
+     * density of dir). first: the transmittance of that first ray, 0: it met no surface. */
+    air_vec3 lit[AIR_RECEIVER_AXES], patch[AIR_RECEIVER_AXES];
+    float lit_share; /* how much of that light gets through */
+    air_vec3 first;
     air_vec3 albedo, normal;
     float depth; /* of the first surface, 0 if there is none */
 } air_path_lane;

@@ -25,6 +25,10 @@ typedef struct path_walk {
     bool received;         /* the walk started at a receiver */
     bool through;          /* a ray from a receiver that looks for one event in media only */
     air_vec3 beta; /* throughput, for a medium vertex still without sigma_s and phase function */
+    /* With air_path_respond: throughput of light that media scattered on the way (beta is that of
+     * the rest), the normal that the ray under way left, and what a unit of irradiance there
+     * brings. */
+    air_vec3 scattered, normal, flat;
     float pdf_dir; /* density of the direction under way, per solid angle; 0 from the camera */
 } path_walk;
 
@@ -53,7 +57,8 @@ enum { PATH_TO_RECEIVER = AIR_TERM_COUNT, PATH_THROUGH };
 
 /* A light connection waiting for its shadow ray. */
 typedef struct path_shadow {
-    air_vec3 value; /* what the lane gains if nothing is in between */
+    air_vec3 value;     /* what the lane gains if nothing is in between */
+    air_vec3 scattered; /* with air_path_respond: likewise, of light that media scattered */
     uint32_t lane;
     uint32_t target;
     uint32_t stream; /* of random numbers, should the way be tracked */
@@ -179,7 +184,7 @@ void path_add_media_emission(const air_path *path, const path_walk *walk,
  * ray, where it is closed or no event can be in the media. */
 void path_events(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
                  const air_ray *ray, bool met, float t, air_vec3 transmittance,
-                 const air_path_lane *lane);
+                 air_path_lane *lane);
 
 /* The media at a medium vertex with their sigma_s: a mixture of phase functions. */
 typedef struct path_mixture {
@@ -197,6 +202,22 @@ void path_mixture_make(const air_path *path, const path_vertex *vertex, path_mix
 /* Chooses a light by power, and a point on it, for an event; the light table must not be empty. */
 void path_draw_light(const air_path *path, const air_path_lane *lane, const path_walk *walk,
                      air_light_point *out_point, float *out_probability);
+
+static inline bool path_responds(const air_path *path)
+{
+    return path->settings.respond.patch != NULL && path->media->region_count > 0;
+}
+
+/* A ray has arrived at a surface at t, its media laid out: what they scatter of the light that
+ * comes back along it goes into the walk, or, of a receiver's first ray, into the lane. */
+void path_respond_patch(const air_path *path, const air_path_scratch *scratch, const air_ray *ray,
+                        const air_surface *surface, float t, path_walk *walk, air_path_lane *lane);
+/* What they scatter of the light that a connection brings, over what it is multiplied by: to the
+ * receiver's lane, else returned. The way is laid out in scratch->media. */
+air_vec3 path_respond_light(const air_path *path, air_path_scratch *scratch,
+                            const path_vertex *vertex, const air_light_point *light,
+                            const air_connection *connection, float probability,
+                            air_path_lane *lane);
 
 /* Asks for light at a vertex: queues at most one shadow ray. */
 void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
