@@ -84,7 +84,7 @@ static air_sobol *make_sobol(void)
 static void responses(void **state, bool literal)
 {
     air_sobol *sobol = make_sobol();
-    for (int i = 0; i < ROWS; i++) {
+    for (int i = 0; i < ROWS; i += 1) {
         const foot_row *row = &rows[i];
         air_snapshot *snapshot = foot_scene(state, row);
         const air_responder_params params = {literal, 10};
@@ -112,10 +112,10 @@ static void better_responses(void **state) { responses(state, false); }
 static void exact(void **state)
 {
     air_sobol *sobol = make_sobol();
-    for (int i = 0; i < ROWS; i++) {
+    for (int i = 0; i < ROWS; i += 1) {
         const foot_row *row = &rows[i];
         air_snapshot *snapshot = foot_scene(state, row);
-        const air_light_cache_params params = {24, 256, 11, 7};
+        const air_light_cache_params params = {12, 128, 11, 7};
         air_light_cache *cache;
         double got[AIR_LAYER_COUNT];
         assert_int_equal(
@@ -124,7 +124,7 @@ static void exact(void **state)
                                             .terms = AIR_TERMS_ALL,
                                             .media = AIR_PATH_GATHER,
                                             .source = {air_light_cache_scattered, cache, true}};
-        measure(snapshot, sobol, &settings, row->x, 4096, got);
+        measure(snapshot, sobol, &settings, row->x, 16384, got);
         const double truth = row->once + row->more;
         printf("x %g g %g floor %g: direct %+.4f media %.5g of %.5g: %+.4f (floor %.5g)\n",
                (double)row->x, (double)row->g, (double)row->floor, got[0] / row->direct - 1, got[2],
@@ -138,8 +138,8 @@ static void exact(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(literal_responses),
-        cmocka_unit_test(better_responses),
+        // cmocka_unit_test(literal_responses),
+        // cmocka_unit_test(better_responses),
         cmocka_unit_test(exact),
     };
     return cmocka_run_group_tests(tests, path_set_up, path_tear_down);
