@@ -17,6 +17,7 @@ typedef struct filter_work {
     const air_atlas_layer *layer;
     uint32_t *charts; /* AIR_NO_CHART also where a number is not finite */
     float *values[MOST_PLANES], *variances[MOST_PLANES]; /* copies; variances are smoothed */
+    float *normals[3];                                   /* unit; 0 where a texel takes no part */
     float *spacing;                                      /* metres from a texel to the next */
     float inverse_strength_squared, least_cosine, plane_distance;
     float *scratch; /* per worker */
@@ -27,6 +28,7 @@ typedef struct filter_work {
 typedef struct filter_band {
     ptrdiff_t top, bottom;     /* rows [top, bottom) */
     float *pairs, *single;     /* one row: which texels have a distance, and it */
+    float *row;                /* one row of weights */
     float *distances, *counts; /* BAND + 2 PATCH rows of sums over 2 PATCH + 1 columns */
     float *sums, *weights;     /* per plane, and of weights: BAND rows */
 } filter_band;
@@ -56,6 +58,16 @@ static bool takes_part(const filter_work *work, size_t i)
     return g->charts[i] != AIR_NO_CHART && sum == 0.0f;
 }
 
+static void copy_normal(const filter_work *work, size_t i, bool part)
+{
+    const float *const *normal = work->guides->normal;
+    const float x = normal[0][i], y = normal[1][i], z = normal[2][i];
+    const float length = sqrtf(x * x + y * y + z * z);
+    for (size_t k = 0; k < 3; k++) {
+        work->normals[k][i] = part && length > 0.0f ? normal[k][i] / length : 0.0f;
+    }
+}
+
 static void copy_row(void *user, size_t y, size_t worker)
 {
     const filter_work *work = user;
@@ -64,6 +76,7 @@ static void copy_row(void *user, size_t y, size_t worker)
     for (size_t i = y * width; i < (y + 1) * width; i++) {
         const bool part = takes_part(work, i);
         work->charts[i] = part ? work->guides->charts[i] : AIR_NO_CHART;
+        copy_normal(work, i, part);
         for (size_t k = 0; k < work->layer->plane_count; k++) {
             work->values[k][i] = part ? work->layer->planes[k][i] : 0.0f;
         }
@@ -149,15 +162,16 @@ static column_range columns_of(size_t width, ptrdiff_t dx)
 /* Adds to a row of distances those of a plane: squared differences less the noise's share of them,
  * in units of the noise [Rousselle2012, eq. 4]. */
 static void add_distances(const filter_work *work, size_t plane, size_t from, ptrdiff_t offset,
-                          column_range columns, float *out)
+                          column_range columns, float *restrict out)
 {
     const float *u = work->values[plane] + from, *v = work->variances[plane] + from;
     const float *other = u + offset, *other_v = v + offset;
     const float scale = work->inverse_strength_squared;
     for (size_t x = columns.first; x < columns.end; x++) {
         const float d = u[x] - other[x], sum = v[x] + other_v[x];
-        const float noise = v[x] + float_min(v[x], other_v[x]);
-        const float distance = (d * d - noise) * scale / (sum + 1e-30f);
+        /* the smaller variance without a branch, which would be taken at random */
+        const float smaller = 0.5f * (sum - fabsf(v[x] - other_v[x]));
+        const float distance = (d * d - (v[x] + smaller)) * scale / (sum + 1e-30f);
         out[x] += float_min(distance, 1e6f);
     }
 }
@@ -203,38 +217,59 @@ static void fill_distances(const filter_work *work, const filter_band *band, ptr
     sum_columns(band->pairs, width, band->counts + row);
 }
 
-/* Is the neighbour on the same surface: 1, else 0. */
-static float same_surface(const filter_work *work, size_t a, size_t b, float texels_squared)
-{
-    const air_atlas_guides *g = work->guides;
-    float off = 0.0f, squared = 0.0f, na = 0.0f, nb = 0.0f, cosine = 0.0f;
-    for (int k = 0; k < 3; k++) {
-        const float d = g->position[k][b] - g->position[k][a];
-        const float m = g->normal[k][a], n = g->normal[k][b];
-        off += m * d;
-        squared += d * d;
-        na += m * m;
-        nb += n * n;
-        cosine += m * n;
-    }
-    const float spacing = work->spacing[a] * work->spacing[a];
-    const float reach = 1.0001f * work->plane_distance * work->plane_distance * spacing * na;
-    const bool faces = cosine >= work->least_cosine * sqrtf(na * nb);
-    const bool near = off * off <= reach && squared <= 6.25f * spacing * texels_squared;
-    return faces && near ? 1.0f : 0.0f;
-}
-
-/* From the mean distance of both neighbourhoods; `at` is the texel in the band. */
-static float weight_of(const filter_work *work, const filter_band *band, size_t at)
+/* Weights by the mean distance of both neighbourhoods: exp(-max(0, distance)), or exp(-80) where
+ * that is less: nothing to a float. 0 where texel and neighbour are no pair. */
+static void set_weights(const filter_work *work, const filter_band *band, size_t in_band,
+                        const uint32_t *charts, ptrdiff_t offset, column_range columns)
 {
     const size_t width = work->guides->width;
-    float sum = 0.0f, count = 0.0f;
+    const float *distances = band->distances + in_band, *counts = band->counts + in_band;
+    const uint32_t *other = charts + offset;
+    const float planes = (float)work->layer->plane_count;
+    float *restrict weights = band->row;
+    float *restrict sums = band->single + PATCH, *restrict pairs = band->pairs + PATCH;
+    memset(sums, 0, width * sizeof *sums);
+    memset(pairs, 0, width * sizeof *pairs);
     for (size_t r = 0; r <= 2 * PATCH; r++) {
-        sum += band->distances[at + r * width];
-        count += band->counts[at + r * width];
+        for (size_t x = columns.first; x < columns.end; x++) {
+            sums[x] += distances[x + r * width];
+            pairs[x] += counts[x + r * width];
+        }
     }
-    const float distance = sum / (count * (float)work->layer->plane_count);
-    return air_exp(-float_max(distance, 0.0f));
+    for (size_t x = columns.first; x < columns.end; x++) {
+        const float distance = sums[x] / (pairs[x] * planes + 1e-30f);
+        sums[x] = float_min(float_max(distance, 0.0f), 80.0f);
+        pairs[x] = charts[x] == other[x] ? 1.0f : 0.0f;
+    }
+    for (size_t x = columns.first; x < columns.end; x++) {
+        float power;
+        const float p = air_exp_parts(-sums[x], &power);
+        weights[x] = pairs[x] * ((p + 1.0f) * power);
+    }
+}
+
+/* Weights become 0 where the neighbour turns away, lies off the texel's plane, or is farther than
+ * its place on the page says. */
+static void cut_weights(const filter_work *work, size_t from, ptrdiff_t offset,
+                        float texels_squared, column_range columns, float *restrict weights)
+{
+    const float *const *position = work->guides->position;
+    const float *px = position[0] + from, *py = position[1] + from, *pz = position[2] + from;
+    const float *nx = work->normals[0] + from, *ny = work->normals[1] + from;
+    const float *nz = work->normals[2] + from, *spacing = work->spacing + from;
+    const float *qx = px + offset, *qy = py + offset, *qz = pz + offset;
+    const float *mx = nx + offset, *my = ny + offset, *mz = nz + offset;
+    const float off_plane = 1.0001f * work->plane_distance * work->plane_distance;
+    const float least_cosine = work->least_cosine, away = 6.25f * texels_squared;
+    for (size_t x = columns.first; x < columns.end; x++) {
+        const float dx = qx[x] - px[x], dy = qy[x] - py[x], dz = qz[x] - pz[x];
+        const float off = nx[x] * dx + ny[x] * dy + nz[x] * dz;
+        const float cosine = nx[x] * mx[x] + ny[x] * my[x] + nz[x] * mz[x];
+        const float step = spacing[x] * spacing[x];
+        const bool near = (off * off <= off_plane * step) &
+                          (dx * dx + dy * dy + dz * dz <= away * step) & (cosine >= least_cosine);
+        weights[x] = near ? weights[x] : 0.0f;
+    }
 }
 
 static void add_row(const filter_work *work, const filter_band *band, ptrdiff_t y, ptrdiff_t dx,
@@ -244,24 +279,28 @@ static void add_row(const filter_work *work, const filter_band *band, ptrdiff_t 
     const ptrdiff_t offset = dy * (ptrdiff_t)width + dx;
     const size_t in_band = (size_t)(y - band->top) * width;
     const column_range columns = columns_of(width, dx);
-    const float texels_squared = (float)(dx * dx + dy * dy);
+    float *weights = band->row, *total = band->weights + in_band;
     if (y + dy < 0 || y + dy >= (ptrdiff_t)work->guides->height) {
         return;
     }
+    set_weights(work, band, in_band, work->charts + from, offset, columns);
+    if (offset != 0) {
+        cut_weights(work, from, offset, (float)(dx * dx + dy * dy), columns, weights);
+    }
+    if (work->guides->area != NULL) {
+        const float *area = work->guides->area + from + offset;
+        for (size_t x = columns.first; x < columns.end; x++) {
+            weights[x] = weights[x] > 0.0f ? weights[x] * area[x] : 0.0f;
+        }
+    }
     for (size_t x = columns.first; x < columns.end; x++) {
-        const size_t i = from + x, other = (size_t)((ptrdiff_t)i + offset);
-        if (work->charts[i] == AIR_NO_CHART || work->charts[i] != work->charts[other]) {
-            continue;
-        }
-        float weight = weight_of(work, band, in_band + x);
-        if (weight < 1e-6f) {
-            continue;
-        }
-        weight *= offset == 0 ? 1.0f : same_surface(work, i, other, texels_squared);
-        weight *= work->guides->area != NULL ? work->guides->area[other] : 1.0f;
-        band->weights[in_band + x] += weight;
-        for (size_t k = 0; k < work->layer->plane_count; k++) {
-            band->sums[k * BAND * width + in_band + x] += weight * work->values[k][other];
+        total[x] += weights[x];
+    }
+    for (size_t k = 0; k < work->layer->plane_count; k++) {
+        const float *values = work->values[k] + from + offset;
+        float *sums = band->sums + k * BAND * width + in_band;
+        for (size_t x = columns.first; x < columns.end; x++) {
+            sums[x] += weights[x] * values[x];
         }
     }
 }
@@ -275,7 +314,8 @@ static filter_band make_band(const filter_work *work, size_t index, size_t worke
     float *block = work->scratch + worker * work->scratch_size;
     filter_band band = {.top = (ptrdiff_t)top, .bottom = (ptrdiff_t)end, .pairs = block};
     band.single = band.pairs + width + 2 * PATCH;
-    band.distances = band.single + width + 2 * PATCH;
+    band.row = band.single + width + 2 * PATCH;
+    band.distances = band.row + width;
     band.counts = band.distances + (BAND + 2 * PATCH) * width;
     band.weights = band.counts + (BAND + 2 * PATCH) * width;
     band.sums = band.weights + BAND * width;
@@ -339,10 +379,14 @@ static air_status allocate(air_context *context, filter_work *work, size_t count
     work->charts = air_allocate(context, texels, sizeof *work->charts);
     work->spacing = air_allocate(context, texels, sizeof *work->spacing);
     work->scratch_size =
-        (2 * (BAND + 2 * PATCH) + (count + 1) * BAND + 2) * work->guides->width + 4 * PATCH;
+        (2 * (BAND + 2 * PATCH) + (count + 1) * BAND + 3) * work->guides->width + 4 * PATCH;
     work->scratch = air_allocate(context, air_context_thread_count(context) * work->scratch_size,
                                  sizeof *work->scratch);
     bool good = work->charts != NULL && work->spacing != NULL && work->scratch != NULL;
+    for (size_t k = 0; k < 3 && good; k++) {
+        work->normals[k] = air_allocate(context, texels, sizeof(float));
+        good = work->normals[k] != NULL;
+    }
     for (size_t k = 0; k < count && good; k++) {
         work->values[k] = air_allocate(context, texels, sizeof(float));
         work->variances[k] = air_allocate(context, texels, sizeof(float));
@@ -374,6 +418,9 @@ air_status air_atlas_denoise(air_context *context, const air_atlas_guides *guide
     for (size_t k = layer->plane_count; k-- > 0;) {
         air_free(context, work.variances[k]);
         air_free(context, work.values[k]);
+    }
+    for (size_t k = 3; k-- > 0;) {
+        air_free(context, work.normals[k]);
     }
     air_free(context, work.scratch);
     air_free(context, work.spacing);
