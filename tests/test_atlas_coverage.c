@@ -167,6 +167,18 @@ static void place_of(const air_atlas_part *part, const air_coverage_point *point
     assert_true(fabs(sum - 1.0) < 1e-14);
 }
 
+/* Adds a piece's area, and its centre of mass times that. */
+static void add_mass(const air_piece *p, double *all, double mass[2])
+{
+    for (int j = 1; j + 1 < p->count; j++) {
+        const double *a = p->point[0], *b = p->point[j], *c = p->point[j + 1];
+        const double area = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+        *all += area;
+        mass[0] += area * (a[0] + b[0] + c[0]) / 3.0;
+        mass[1] += area * (a[1] + b[1] + c[1]) / 3.0;
+    }
+}
+
 /* Strata of n x n points in a texel: the share that falls into each fragment is its area's, and the
  * mean of the points the pieces' centre of mass. A stratified point set of n^2 cells is off by less
  * than the cells along the borders between fragments: 1/n each (at most 6 fragments here, each with
@@ -190,18 +202,7 @@ static void points_are_spread_over_what_is_covered(void **state)
         for (size_t k = 0; k < count; k++) {
             air_piece p;
             air_coverage_outline(self, x, y, air_fragment_triangle(fragments[k]), &p);
-            for (int j = 1; j + 1 < p.count; j++) {
-                const air_piece corner = {3,
-                                          {{p.point[0][0], p.point[0][1]},
-                                           {p.point[j][0], p.point[j][1]},
-                                           {p.point[j + 1][0], p.point[j + 1][1]}}};
-                const double area = air_piece_area(&corner);
-                all += area;
-                for (int c = 0; c < 2; c++) {
-                    mass[c] +=
-                        area * (corner.point[0][c] + corner.point[1][c] + corner.point[2][c]) / 3;
-                }
-            }
+            add_mass(&p, &all, mass);
         }
         for (size_t n = 0; n < N * N; n++) {
             const double u[2] = {((double)(n % N) + 0.5) / N, ((double)(n / N) + 0.5) / N};

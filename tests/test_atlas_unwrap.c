@@ -478,6 +478,37 @@ static void pieces_apart_are_charts_apart(void **state)
     air_context_destroy(context);
 }
 
+/* Triangles between vertices drawn at random, so that sides have many triangles and none fits
+ * another; far from the origin, too, where positions have few digits. */
+static void soups_are_unwrapped(void **state)
+{
+    (void)state;
+    air_context *context = atlas_context(1);
+    for (uint32_t seed = 0; seed < 24; seed++) {
+        const size_t vertices = 6 + 4 * (size_t)seed;
+        const double scale = pow(10.0, (double)(seed % 5) - 2.0),
+                     away = seed % 3 == 0 ? 1000.0 : 0.0;
+        atlas_mesh mesh = atlas_mesh_make(vertices, 200);
+        air_rng rng = air_rng_from_keys(seed, 11);
+        for (size_t i = 0; i < 3 * vertices; i++) {
+            mesh.positions[i] = (float)(scale * (away + (double)air_rng_float(&rng)));
+        }
+        for (size_t i = 0; i < 600; i++) {
+            mesh.indices[i] = air_rng_next(&rng) % (uint32_t)vertices;
+        }
+        air_unwrap_params params;
+        air_unwrap_params_default(&params);
+        params.texels_per_metre = 12.0 / scale;
+        params.snap = seed % 2 == 0;
+        air_unwrap *self = unwrap(context, &mesh, &params);
+        check_triangles(&mesh, self, params.merge_angle_rad);
+        check_overlaps(context, self);
+        air_unwrap_destroy(context, self);
+        atlas_mesh_free(&mesh);
+    }
+    air_context_destroy(context);
+}
+
 static void wrong_arguments_are_refused(void **state)
 {
     (void)state;
@@ -543,6 +574,7 @@ int main(void)
         cmocka_unit_test(triangles_without_area_are_taken_along),
         cmocka_unit_test(tiny_charts_join_their_neighbours),
         cmocka_unit_test(pieces_apart_are_charts_apart),
+        cmocka_unit_test(soups_are_unwrapped),
         cmocka_unit_test(wrong_arguments_are_refused),
         cmocka_unit_test(want_of_memory_is_reported),
     };

@@ -61,9 +61,10 @@ typedef struct air_seams_report {
 /* Makes the sum over samples of (difference of both sides)^2 plus that over texels of hold *
  * change^2 least, by conjugate gradients [Hestenes1952]. Only texels in the bilinear footprints of
  * seams change. Free texels there must have been filled (dilate.h). A jump across a seam along the
- * texels' rows shrinks to about hold / 2 of it. Each plane by itself: parallel over planes,
- * deterministic. out_report may be NULL. AIR_ERROR_ARGUMENT: a parameter out of range, a seam that
- * names a page that is not there. */
+ * texels' rows shrinks to about hold / 4 of it; with much less weight on free texels than on
+ * covered ones they swing about. Each plane by itself: parallel over planes, deterministic.
+ * out_report may be NULL. AIR_ERROR_ARGUMENT: a parameter out of range, a seam that names a page
+ * that is not there. */
 air_status air_seams_solve(air_context *context, const air_seams *seams,
                            const air_seams_page *pages, size_t page_count, size_t plane_count,
                            const air_seams_params *params, air_seams_report *out_report);
