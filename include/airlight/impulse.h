@@ -47,8 +47,9 @@ typedef struct air_impulse_params {
     air_impulse_form form;
 } air_impulse_params;
 
-/* 256 bins, 16 angles, 10 bounces, SH5, and 9 knots that make the error between them least
- * (README). A medium whose g is a knot has no such error: bakers put theirs in. */
+/* 256 bins, 16 angles, 10 bounces, SH5, and 14 knots from -0.9 to 0.9, between which irradiances
+ * are off by 2.2 % at most (3.6 % below -0.74). A medium whose g is a knot has no such error:
+ * bakers put theirs in. */
 AIR_API void air_impulse_params_default(air_impulse_params *params);
 /* The paper's: 256 bins, 8 angles, g = -0.5, 0, 0.5, ZH11 by energy. */
 AIR_API void air_impulse_params_paper(air_impulse_params *params);
