@@ -146,6 +146,73 @@ static void batches_are_the_same(void **state)
     }
 }
 
+/* Without absorption all of a point light's power, 4 pi, goes through any sphere about it: what a
+ * receiver that faces the light has more than one that looks away is 1/d^2 less the unscattered
+ * exp(-tau)/d^2. Only band 1 is in it. A patch's mean over its orientations is a quarter. Of
+ * 128 bins the scaled sum of terms that fall off as exp(-2 rho) and slowly is off by (2 d rho)^2/8
+ * at most, d rho = 0.08 at rho = 1: 3e-3 of the former's share, which there is a third at most. */
+static void all_orders_carry_the_power(void **state)
+{
+    const air_impulse_medium medium = {.sigma_s = 0.5, .sigma_t = 0.5, .bounces = 1};
+    const graded_rule rule = graded_rule_make(12);
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        const air_impulse_emitter emitter = i == 0 ? AIR_IMPULSE_POINT : AIR_IMPULSE_AREA;
+        air_impulse_response *response;
+        double worst = 0.0;
+        assert_int_equal(air_impulse_response_create_all_orders(shared.context, shared.tables,
+                                                                emitter, &medium, 1, &response),
+                         AIR_OK);
+        for (double tau = 0.05; tau < 20.0; tau *= 1.31) {
+            const double d = tau / 0.5, exact = -expm1(-tau) / (d * d) * (i == 0 ? 1.0 : 0.25);
+            double flux = 0.0;
+            for (int j = 0; j < 24; j++) {
+                const double c = (j < 12 ? -1.0 : 0.0) + rule.x[j % 12];
+                float e[2];
+                for (int side = 0; side < 2; side++) {
+                    const air_impulse_place_float place = {
+                        .distance = (float)d, .n_l = side == 0 ? 1.0f : -1.0f, .cos_s = (float)c};
+                    air_impulse_response_irradiance(response, &place, &e[side]);
+                }
+                flux += 0.5 * rule.w[j % 12] * ((double)e[0] - (double)e[1]);
+            }
+            worst = double_max(worst, fabs(flux / exact - 1.0));
+        }
+        print_message("flux, emitter %d: %.1e\n", i, worst);
+        assert_true(worst < 1e-3);
+        air_impulse_response_destroy(response);
+    }
+}
+
+/* With absorption enough the tables' six bounces and what they leave, 0.3^7 of little, are as good
+ * as six bounces alone. */
+static void all_orders_of_an_absorbing_medium_are_its_first(void **state)
+{
+    const air_impulse_medium medium = {.sigma_s = 0.15, .sigma_t = 0.5, .bounces = 6};
+    air_impulse_response *all, *some;
+    (void)state;
+    assert_int_equal(air_impulse_response_create_all_orders(shared.context, shared.tables,
+                                                            AIR_IMPULSE_AREA, &medium, 1, &all),
+                     AIR_OK);
+    some = make(AIR_IMPULSE_AREA, &medium, 1);
+    for (double d = 0.1; d < 20.0; d *= 1.7) {
+        for (int j = 0; j < 9; j++) {
+            const air_impulse_place_float place = {
+                .distance = (float)d, .n_l = 0.8f, .cos_s = 0.25f * (float)j - 1.0f, .n_x = 0.3f};
+            float a, b;
+            air_impulse_response_irradiance(all, &place, &a);
+            air_impulse_response_irradiance(some, &place, &b);
+            assert_true(fabsf(a - b) < 0.01f * b);
+        }
+    }
+    air_impulse_response_destroy(all);
+    air_impulse_response_destroy(some);
+    assert_int_equal(air_impulse_response_create_all_orders(
+                         shared.context, shared.tables, AIR_IMPULSE_DIRECTIONAL, &medium, 1, &all),
+                     AIR_ERROR_UNSUPPORTED);
+    assert_null(all);
+}
+
 static void cube_roots_and_arc_cosines_are_exact_enough(void **state)
 {
     (void)state;
@@ -208,6 +275,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(it_is_what_the_tables_give),
         cmocka_unit_test(batches_are_the_same),
+        cmocka_unit_test(all_orders_carry_the_power),
+        cmocka_unit_test(all_orders_of_an_absorbing_medium_are_its_first),
         cmocka_unit_test(cube_roots_and_arc_cosines_are_exact_enough),
         cmocka_unit_test(wrong_media_are_refused),
         cmocka_unit_test(lack_of_memory_leaves_nothing),

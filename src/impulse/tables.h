@@ -13,7 +13,6 @@
 enum {
     ZONAL_STRIDE = 12,
     AREA_MULTIPLE_STRIDE = 8,
-    TABLES_ANGLES_MAX = 91,
     TABLES_PARTS = 6 /* arrays of numbers, in the order of impulse_tables_part */
 };
 
