@@ -80,7 +80,7 @@ static const cli_option impulse_table[] = {
      .kind = CLI_TEXT,
      .value = "G,...",
      .offset = offsetof(cli_impulse_options, knots),
-     .help = "Mean cosines, rising, up to 32; default 9 from -0.9 to 0.9. Those of one's media "
+     .help = "Mean cosines, rising, up to 32; default 14 from -0.9 to 0.9. Those of one's media "
              "make no error."},
     {.name = "bounces",
      .kind = CLI_COUNT,

@@ -28,7 +28,7 @@ static void tables_are_built_told_of_and_plotted(void **state)
     assert_run(&directory, build, 0, "", "");
     assert_run(&directory, info, 0, "kind: ltsd\nloss: l3\n", "");
     assert_run(&directory, plot, 0, "cosine_to_peak,phase,fit,difference\n-1,", "");
-    assert_run(&directory, no_file, 2, "", "expected ltsd, mix or ltc, and -o FILE");
+    assert_run(&directory, no_file, 2, "", "expected ltsd, mix, ltc or impulse, and -o FILE");
     assert_run(&directory, no_kind, 2, "", "kind \"ggx\" is not known");
     assert_run(&directory, no_action, 2, "", "expected build, info or plot");
     assert_run(&directory, absent, 1, "", "absent.json");
@@ -38,7 +38,32 @@ static void tables_are_built_told_of_and_plotted(void **state)
     const char *const ltc_plot[] = {"table", "plot", "ltc", NULL};
     assert_run(&directory, ltc, 0, "", "");
     assert_run(&directory, ltc_info, 0, "kind: ltc\n", "");
-    assert_run(&directory, ltc_plot, 2, "", "expected ltsd, mix, cosine or uniform");
+    assert_run(&directory, ltc_plot, 2, "", "expected ltsd, mix, cosine, uniform or impulse");
+    cli_leave(&directory);
+}
+
+static void impulse_tables_are_built_told_of_and_plotted(void **state)
+{
+    cli_directory directory;
+    (void)state;
+    cli_enter(&directory);
+    const char *const build[] = {"table", "build",   "impulse",   "--bins",    "8", "--angles",
+                                 "2",     "--knots", "0,0.5",     "--bounces", "2", "--form",
+                                 "sh3",   "-o",      "t.impulse", NULL};
+    const char *const info[] = {"table", "info", "t.impulse", NULL};
+    const char *const plot[] = {"table",     "plot", "impulse",  "--bins", "8",
+                                "--bounces", "1",    "--angles", "2",      NULL};
+    const char *const falling[] = {"table", "build", "impulse", "--knots",
+                                   "0.5,0", "-o",    "x",       NULL};
+    const char *const words[] = {"table", "build", "impulse", "--knots", "0,a", "-o", "x", NULL};
+    const char *const no_file[] = {"table", "build", "impulse", NULL};
+    assert_run(&directory, build, 0, "", "");
+    assert_run(&directory, info, 0, "kind: impulse\nform: sh3\nbins: 8", "");
+    assert_run(&directory, plot, 0, "tau,point_1,point_all", "");
+    assert_run(&directory, falling, 2, "", "rising");
+    assert_run(&directory, words, 2, "", "--knots: expected");
+    assert_run(&directory, no_file, 2, "", "-o FILE");
+    assert_false(cli_exists("x"));
     cli_leave(&directory);
 }
 
@@ -72,6 +97,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tables_are_built_told_of_and_plotted),
+        cmocka_unit_test(impulse_tables_are_built_told_of_and_plotted),
         cmocka_unit_test(pictures_with_guides_are_denoised),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

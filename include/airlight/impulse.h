@@ -47,8 +47,9 @@ typedef struct air_impulse_params {
     air_impulse_form form;
 } air_impulse_params;
 
-/* 256 bins, 16 angles, 10 bounces, SH5, and 9 knots that make the error between them least
- * (README). A medium whose g is a knot has no such error: bakers put theirs in. */
+/* 256 bins, 16 angles, 10 bounces, SH5, and 14 knots from -0.9 to 0.9, between which irradiances
+ * are off by 2.2 % at most (3.6 % below -0.74). A medium whose g is a knot has no such error:
+ * bakers put theirs in. */
 AIR_API void air_impulse_params_default(air_impulse_params *params);
 /* The paper's: 256 bins, 8 angles, g = -0.5, 0, 0.5, ZH11 by energy. */
 AIR_API void air_impulse_params_paper(air_impulse_params *params);
@@ -163,6 +164,13 @@ AIR_API air_status air_impulse_response_create(air_context *context,
                                                air_impulse_emitter emitter,
                                                const air_impulse_medium *media, size_t channels,
                                                air_impulse_response **out);
+/* The same for point and area light with all orders there are: what the tables' bounces leave is
+ * added by its closed total (of the reduced, isotropic medium). Media's bounces are not looked at.
+ * Some 0.3 s (point) to 1 s (area) of processor time for each channel; they reach to tau = 40.
+ * AIR_ERROR_UNSUPPORTED: directional. */
+AIR_API air_status air_impulse_response_create_all_orders(
+    air_context *context, const air_impulse_tables *tables, air_impulse_emitter emitter,
+    const air_impulse_medium *media, size_t channels, air_impulse_response **out);
 AIR_API void air_impulse_response_destroy(air_impulse_response *response); /* NULL is legal */
 
 /* Places as floats. */

@@ -36,11 +36,6 @@ void impulse_plan_destroy(air_context *context, impulse_plan *plan)
     }
 }
 
-static impulse_quality quality_multiple(void)
-{
-    return (impulse_quality){.rule = graded_rule_make(10), .levels = 12, .cut = 25.0};
-}
-
 /* ---- the outer integral of area patches ---- */
 
 /* The panel's ends. */
@@ -290,7 +285,7 @@ static void area_single(air_impulse_tables *self, size_t bin, double tau, double
 
 static void multiple(air_impulse_tables *self, size_t bin, double tau, double *scratch)
 {
-    const impulse_quality quality = quality_multiple();
+    const impulse_quality quality = impulse_quality_multiple();
     const int k_max = self->params.bounces, angles = (int)self->angles;
     const size_t more = (size_t)(k_max - 1), order = AIR_IMPULSE_ORDER;
     float *const tables[2] = {self->point_multiple, self->directional_multiple};

@@ -120,6 +120,8 @@ static double diffusion_gap(double alpha)
     return exp(0.5 * (a + b));
 }
 
+double impulse_diffusion_rate(double alpha) { return 1.0 - diffusion_gap(alpha); }
+
 /* 2 kappa exp(-kappa r)/(r alpha^2 A'(kappa)), A' = (1/(1 - kappa^2) - A)/kappa, A = 1/alpha. Near
  * alpha = 1, A' = 2 kappa/3 + 4 kappa^3/5 + ... */
 static double diffusion_pole(double alpha, double r)

@@ -7,6 +7,9 @@
 /* out[k] = exp(r) Phi_k(r), 0 <= k <= k_max. */
 void impulse_fluences_scaled(int k_max, double r, double *out);
 
+/* Far away the total of all orders falls off as exp(-kappa r)/r; kappa from 1 (alpha = 0) to 0. */
+double impulse_diffusion_rate(double alpha);
+
 /* ---- positive functions of the distance, by interpolation ---- */
 
 enum { CURVE_POINTS = 176, CURVE_TAPS = 6 };

@@ -11,6 +11,7 @@
 
 enum {
     IMPULSE_K = AIR_IMPULSE_BOUNCES_MAX,
+    TABLES_ANGLES_MAX = 91,
     CLAMPED_BANDS = 7,  /* bands of a clamped cosine up to 10: 0, 1, 2, 4, 6, 8, 10 */
     MULTIPLE_ORDER = 3, /* of area responses after two or more events */
     MULTIPLE_COUNT = 6
@@ -18,6 +19,12 @@ enum {
 
 /* The band of the i-th number that a clamped cosine has. */
 static inline int clamped_band(int i) { return i < 2 ? i : 2 * i - 2; }
+
+/* Below 3e-5 for k = 2, 2e-4 for k = 20. */
+static inline impulse_quality impulse_quality_multiple(void)
+{
+    return (impulse_quality){.rule = graded_rule_make(10), .levels = 12, .cut = 25.0};
+}
 
 /* Fluences of the point light on a logarithmic axis: ln(r exp(r) Phi_k), k = 0..k_max, and the
  * point's zonal coefficients of the clamped cosine's bands by Phi_k, k = 1..k_max. */

@@ -1,9 +1,9 @@
 /* response.h: prepared responses: irradiance as polynomials in the normal's coordinates.
  *
  * A channel's entries lie on the cubic axis of rho = sigma d, where sigma is the slower of the two
- * extinctions that the medium and its reduced twin have, scaled by rho exp(rho)/sigma^2
- * (directional: exp(rho)). An entry is a polynomial in z = n.l, and for area light x = n.x: against
- * the powers of the normal it gives the irradiance.
+ * extinctions that the medium and its reduced twin have (half of it where all orders are summed),
+ * scaled by rho exp(fall rho)/sigma^2 (directional: exp(fall rho)). An entry is a polynomial in z =
+ * n.l, and for area light x = n.x: against the powers of the normal it gives the irradiance.
  */
 #ifndef AIR_IMPULSE_RESPONSE_H
 #define AIR_IMPULSE_RESPONSE_H
@@ -21,6 +21,7 @@ enum {
 
 typedef struct response_channel {
     float sigma;          /* 0: nothing is scattered */
+    float fall;           /* entries are scaled by exp(fall rho) */
     float reduced, whole; /* extinctions of the residual rule's excess, both 0 without */
     float *entries;       /* zonal [bin][8]; area [angle][bin][12] */
 } response_channel;
@@ -109,7 +110,7 @@ static inline response_place response_bin(const air_impulse_response *r, const r
     const float last = (float)(int32_t)r->bins - 1.0f;
     const float at = float_min(last, float_max(0.0f, (u - r->first) * r->scale));
     const int32_t lower = (int32_t)float_min(at, last - 1.0f);
-    const float fall = impulse_exp(-rho);
+    const float fall = impulse_exp(-c->fall * rho);
     const float scale = r->emitter == AIR_IMPULSE_DIRECTIONAL ? fall : fall * c->sigma / distance;
     const float inside = c->sigma > 0.0f ? scale : 0.0f;
     *out_scale = rho <= (float)IMPULSE_TAU_GREATEST ? inside : 0.0f;

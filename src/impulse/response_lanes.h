@@ -80,7 +80,7 @@ static void tile_bins(const air_impulse_response *r, const response_channel *c, 
         const lanes rho = lanes_max(sigma * distance, lanes_all(1e-20f));
         const lanes u = lanes_cube_root(rho * (float)(1.0 / IMPULSE_TAU_GREATEST));
         const lanes at = lanes_min(last, lanes_max(zero, (u - first) * r->scale));
-        const lanes fall = lanes_exp(-rho);
+        const lanes fall = lanes_exp(rho * -c->fall);
         lanes scale = fall;
         if (!directional) {
             scale = fall * sigma / distance;

@@ -7,9 +7,11 @@
 
 void air_impulse_params_default(air_impulse_params *params)
 {
-    static const double knots[9] = {-0.9, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 0.9};
+    /* Errors of the irradiance between them are at most 2.2 %, below -0.74 3.6 % (README). */
+    static const double knots[14] = {-0.9, -0.83, -0.74, -0.63, -0.5, -0.34, -0.17,
+                                     0.0,  0.18,  0.36,  0.5,   0.64, 0.78,  0.9};
     *params = (air_impulse_params){
-        .bins = 256, .angles = 16, .g_count = 9, .bounces = 10, .form = AIR_IMPULSE_SH5};
+        .bins = 256, .angles = 16, .g_count = 14, .bounces = 10, .form = AIR_IMPULSE_SH5};
     for (size_t i = 0; i < params->g_count; i++) {
         params->g[i] = knots[i];
     }
@@ -103,24 +105,33 @@ float *impulse_tables_part(const air_impulse_tables *tables, size_t i, size_t *o
     return parts[i];
 }
 
+air_status impulse_tables_shape(air_context *context, const air_impulse_params *params,
+                                air_impulse_tables *out)
+{
+    const air_status status = check(context, params);
+    if (status == AIR_OK) {
+        *out = (air_impulse_tables){.context = context, .params = *params};
+        out->angles = 3 * params->angles - 2;
+        /* whole vectors of four */
+        out->area_stride = ((size_t)impulse_form_count(params->form) + 3) / 4 * 4;
+    }
+    return status;
+}
+
 air_status impulse_tables_allocate(air_context *context, const air_impulse_params *params,
                                    air_impulse_tables **out)
 {
+    air_impulse_tables shape;
     *out = NULL;
-    const air_status status = check(context, params);
-    air_impulse_tables *self = NULL;
+    const air_status status = impulse_tables_shape(context, params, &shape);
     if (status != AIR_OK) {
         return status;
     }
-    self = air_allocate(context, 1, sizeof *self);
+    air_impulse_tables *const self = air_allocate(context, 1, sizeof *self);
     if (self == NULL) {
         return air_fail_memory(context, "impulse tables");
     }
-    self->context = context;
-    self->params = *params;
-    self->angles = 3 * params->angles - 2;
-    /* whole vectors of four */
-    self->area_stride = ((size_t)impulse_form_count(params->form) + 3) / 4 * 4;
+    *self = shape;
     float **const parts[TABLES_PARTS] = {
         &self->point,          &self->directional,          &self->area,
         &self->point_multiple, &self->directional_multiple, &self->area_multiple};

@@ -13,7 +13,6 @@
 enum {
     ZONAL_STRIDE = 12,
     AREA_MULTIPLE_STRIDE = 8,
-    TABLES_ANGLES_MAX = 91,
     TABLES_PARTS = 6 /* arrays of numbers, in the order of impulse_tables_part */
 };
 
@@ -37,7 +36,10 @@ struct air_impulse_tables {
     impulse_plan *plan;          /* while rows are built */
 };
 
-/* Memory for all arrays, zero; parameters are checked. */
+/* Checks parameters and gives what has their shape, without arrays. */
+air_status impulse_tables_shape(air_context *context, const air_impulse_params *params,
+                                air_impulse_tables *out);
+/* The same with memory for all arrays, zero. */
 air_status impulse_tables_allocate(air_context *context, const air_impulse_params *params,
                                    air_impulse_tables **out);
 /* The i-th array and how many floats it has. */

@@ -146,14 +146,26 @@ static air_status read_header(air_context *context, const char *path, const json
     return AIR_OK;
 }
 
-static air_status read_floats(air_context *context, const char *path, const unsigned char *at,
-                              size_t start, size_t size, air_impulse_tables *out)
+/* Memory only for what the file holds. */
+static air_status allocate(air_context *context, const char *path, const air_impulse_params *params,
+                           size_t start, size_t size, air_impulse_tables **out)
 {
-    if (size != 4 * total_floats(out)) {
+    air_impulse_tables shape;
+    const air_status status = impulse_tables_shape(context, params, &shape);
+    if (status != AIR_OK) { /* it said which number */
+        return AIR_ERROR_FORMAT;
+    }
+    if (size != 4 * total_floats(&shape)) {
         return air_fail(context, AIR_ERROR_FORMAT,
                         "%s: byte %zu: expected %zu bytes of numbers, not %zu", path, start,
-                        4 * total_floats(out), size);
+                        4 * total_floats(&shape), size);
     }
+    return impulse_tables_allocate(context, params, out);
+}
+
+static air_status read_floats(air_context *context, const char *path, const unsigned char *at,
+                              size_t start, air_impulse_tables *out)
+{
     size_t place = 0;
     for (size_t i = 0; i < TABLES_PARTS; i++) {
         size_t count;
@@ -200,12 +212,10 @@ static air_status parse(air_context *context, const char *path, const unsigned c
     air_status status = read_header(context, path, root, &params);
     json_decref(root);
     if (status == AIR_OK) {
-        status = impulse_tables_allocate(context, &params, &tables);
-        status = status == AIR_ERROR_ARGUMENT ? AIR_ERROR_FORMAT : status;
+        status = allocate(context, path, &params, length + 1, size - length - 1, &tables);
     }
     if (status == AIR_OK) {
-        status =
-            read_floats(context, path, data + length + 1, length + 1, size - length - 1, tables);
+        status = read_floats(context, path, data + length + 1, length + 1, tables);
     }
     if (status != AIR_OK) {
         air_impulse_tables_destroy(tables);
