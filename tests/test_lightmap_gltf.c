@@ -380,6 +380,31 @@ static void lightmaps_are_stated_in_lux(void **state)
     air_lightmap_destroy(lightmap);
 }
 
+/* For engines: coordinates are there, materials as they were, and no picture. */
+static void coordinates_alone_leave_materials_alone(void **state)
+{
+    lightmap_fixture *self = *state;
+    scene_write(self, "", "");
+    air_lightmap *lightmap = scene_lightmap(self, 13);
+    const air_lightmap_gltf_params params = {.show = AIR_SHOW_COORDINATES, .scale = 1.0f};
+    save(self, lightmap, "out/lit.gltf", &params);
+    assert_int_equal(lightmap_count_files(lightmap_path(self, "out")), 2);
+    json_t *root = read_json(self, "out/lit.gltf"), *source = read_json(self, "room.gltf");
+    static const char *const same[] = {"materials", "images", "textures", "samplers",
+                                       "extensionsUsed"};
+    for (size_t i = 0; i < 5; i++) {
+        json_t *a = json_object_get(root, same[i]), *b = json_object_get(source, same[i]);
+        assert_true(a == b || json_equal(a, b));
+    }
+    loaded copy = load(self, "out/lit.gltf");
+    assert_memory_equal(find_mesh(&copy, "right")->uv[1], scene_cut_uv, sizeof scene_cut_uv);
+    assert_true(find_mesh(&copy, "lamp")->uv[1][0] == 0.0f);
+    unload(&copy);
+    json_decref(source);
+    json_decref(root);
+    air_lightmap_destroy(lightmap);
+}
+
 /* ---- files ---- */
 
 static void all_kinds_of_buffers_and_copies_mean_the_same(void **state)
@@ -660,6 +685,7 @@ int main(void)
         TEST(albedo_of_the_page_goes_before_that_of_the_material),
         TEST(scale_multiplies_and_dim_light_needs_no_extension),
         TEST(lightmaps_are_stated_in_lux),
+        TEST(coordinates_alone_leave_materials_alone),
         TEST(all_kinds_of_buffers_and_copies_mean_the_same),
         TEST(pictures_come_along),
         TEST(a_full_disk_leaves_the_older_copy),

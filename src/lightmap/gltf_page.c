@@ -99,7 +99,10 @@ air_status air_gltf_show_begin(air_gltf_show *self, const char *stem)
     if (self->pages == NULL) {
         return air_fail_memory(self->copy->context, self->copy->path);
     }
-    air_status status = count > 0 ? add_sampler(self->copy, &sampler) : AIR_OK;
+    if (count == 0 || self->params.show == AIR_SHOW_COORDINATES) {
+        return AIR_OK;
+    }
+    air_status status = add_sampler(self->copy, &sampler);
     for (size_t i = 0; i < count && status == AIR_OK; i++) {
         size_t image = 0;
         status = encode(self, i);

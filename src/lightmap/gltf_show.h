@@ -43,7 +43,7 @@ void air_gltf_show_finish(air_gltf_show *self);
 air_status air_gltf_show_wanted(const air_gltf_show *self, size_t material, bool *out_wanted);
 /* Does it use the set of coordinates that the lightmap takes? */
 bool air_gltf_show_uses_set(const air_gltf_show *self, size_t material);
-/* The copy of a material that shows a page. */
+/* The copy of a material that shows a page (COORDINATES: whose set 1 has moved). */
 air_status air_gltf_show_material(air_gltf_show *self, size_t material, size_t page, size_t moved,
                                   size_t *out_index);
 
