@@ -671,6 +671,88 @@ static void a_shared_scene_is_copied_with_its_own_coordinates(void **state)
     air_lightmap_destroy(lightmap);
 }
 
+/* Cuts every primitive of a scene into single triangles, by what the importer has of it. Meshes are
+ * in the order of nodes and primitives, as nodes are flat. */
+static air_lightmap *cut_all(lightmap_fixture *self, const air_snapshot *snapshot, json_t *root)
+{
+    air_lightmap *lightmap = NULL;
+    size_t node, primitive, next = 0;
+    json_t *node_json, *primitive_json;
+    assert_int_equal(air_lightmap_create(self->context, &lightmap), AIR_OK);
+    lightmap_add_page(self, lightmap, lightmap_page(self, 32, 32, 13));
+    lightmap->meshes = air_allocate(self->context, snapshot->mesh_count, sizeof *lightmap->meshes);
+    lightmap->mesh_count = snapshot->mesh_count;
+    json_array_foreach(json_object_get(root, "nodes"), node, node_json)
+    {
+        json_t *mesh_at = json_object_get(node_json, "mesh");
+        json_t *mesh =
+            mesh_at == NULL ? NULL : item(root, "meshes", (size_t)json_integer_value(mesh_at));
+        json_array_foreach(json_object_get(mesh, "primitives"), primitive, primitive_json)
+        {
+            const air_mesh *source = snapshot->meshes[next];
+            const size_t count = 3 * source->triangle_count;
+            uint32_t *order = calloc(count, sizeof *order);
+            float *uv = calloc(2 * count, sizeof *uv);
+            for (size_t i = 0; i < count; i++) {
+                order[i] = (uint32_t)i;
+                uv[2 * i] = (float)i / (float)count;
+            }
+            lightmap->meshes[next] = (air_lightmap_mesh){.mesh = (uint32_t)next,
+                                                         .node = (int32_t)node,
+                                                         .primitive = (int32_t)primitive,
+                                                         .scale = {1, 1}};
+            lightmap_cut(self, &lightmap->meshes[next], count, source->indices, uv,
+                         source->triangle_count, order);
+            free(order);
+            free(uv);
+            next++;
+        }
+    }
+    assert_int_equal(next, snapshot->mesh_count);
+    return lightmap;
+}
+
+/* A whole room, pictures and all: the same triangles with the same corners, colours and
+ * coordinates. */
+static void a_furnished_room_is_cut_and_stays_the_room(void **state)
+{
+    lightmap_fixture *self = *state;
+    static const char scene[] = AIR_SOURCE_DIR "/scenes/sunroom/sunroom.gltf";
+    json_error_t error;
+    json_t *root = json_load_file(scene, 0, &error);
+    loaded source = {0};
+    air_load_params params;
+    air_load_params_default(&params);
+    assert_non_null(root);
+    assert_int_equal(air_scene_load(self->context, scene, &params, &source.scene), AIR_OK);
+    assert_int_equal(air_scene_commit(source.scene, &source.snapshot, NULL), AIR_OK);
+    air_lightmap *lightmap = cut_all(self, source.snapshot, root);
+    if (air_lightmap_save_gltf(self->context, lightmap, scene, lightmap_path(self, "room.glb"),
+                               NULL) != AIR_OK) {
+        fail_msg("%s", air_context_last_error(self->context));
+    }
+    loaded copy = load(self, "room.glb");
+    assert_int_equal(copy.snapshot->mesh_count, source.snapshot->mesh_count);
+    for (size_t m = 0; m < source.snapshot->mesh_count; m++) {
+        const air_mesh *a = source.snapshot->meshes[m], *b = copy.snapshot->meshes[m];
+        assert_int_equal(a->triangle_count, b->triangle_count);
+        assert_true((a->uv[0] != NULL) == (b->uv[0] != NULL));
+        for (size_t i = 0; i < 3 * a->triangle_count; i++) {
+            const size_t from = a->indices[i], to = b->indices[i];
+            assert_memory_equal(a->positions + 3 * from, b->positions + 3 * to, 12);
+            assert_memory_equal(a->normals + 3 * from, b->normals + 3 * to, 12);
+            if (a->uv[0] != NULL) {
+                assert_memory_equal(a->uv[0] + 2 * from, b->uv[0] + 2 * to, 8);
+            }
+            assert_true(b->uv[1][2 * to] == (float)i / (float)(3 * a->triangle_count));
+        }
+    }
+    unload(&copy);
+    unload(&source);
+    json_decref(root);
+    air_lightmap_destroy(lightmap);
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, lightmap_start, lightmap_finish)
@@ -693,6 +775,7 @@ int main(void)
         TEST(names_and_scales_are_checked),
         TEST(truncated_glb_files_are_refused),
         TEST(writing_without_memory_leaves_nothing),
+        TEST(a_furnished_room_is_cut_and_stays_the_room),
         TEST(a_shared_scene_is_copied_with_its_own_coordinates),
     };
 #undef TEST

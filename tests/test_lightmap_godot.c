@@ -148,7 +148,7 @@ static void users_are_nodes_by_their_names_in_godot(void **state)
 {
     lightmap_fixture *self = *state;
     scene_write(self, "{\"mesh\":0,\"name\":\"right\"",
-                "{\"mesh\":0,\"children\":[2],\"name\":\"a.b/c\"");
+                "{\"mesh\":0,\"children\":[2],\"name\":\"a.b/c\\\\d\"");
     air_lightmap *lightmap = scene_lightmap(self, 13);
     save(self, lightmap, 1.0f);
     char *text = lightmap_read(self, "godot/lightmap.tres", NULL);
@@ -156,9 +156,10 @@ static void users_are_nodes_by_their_names_in_godot(void **state)
     assert_non_null(strstr(text, "path=\"lightmap.exr\" id=\"1\"]\n"));
     assert_non_null(strstr(text, "light_textures = [ExtResource(\"1\")]\n"));
     /* Slices are 16 x 8: page 0 takes the left half, page 1 the upper one. */
-    assert_non_null(strstr(text, "user_data = [NodePath(\"../left\"), Rect2(0, 0, 0.5, 1), 0, -1, "
-                                 "NodePath(\"../a_b_c\"), Rect2(0, 0, 1, 0.5), 1, -1, "
-                                 "NodePath(\"../a_b_c/lamp\"), Rect2(0, 0, 0.5, 1), 0, -1]\n"));
+    assert_non_null(strstr(text,
+                           "user_data = [NodePath(\"../left\"), Rect2(0, 0, 0.5, 1), 0, -1, "
+                           "NodePath(\"../a_b_c\\\\d\"), Rect2(0, 0, 1, 0.5), 1, -1, "
+                           "NodePath(\"../a_b_c\\\\d/lamp\"), Rect2(0, 0, 0.5, 1), 0, -1]\n"));
     free(text);
     air_lightmap_destroy(lightmap);
 }

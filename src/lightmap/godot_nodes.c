@@ -19,7 +19,7 @@ typedef struct godot_nodes {
 static void make_valid(char *name)
 {
     for (; *name != '\0'; name++) {
-        if (strchr(".:@/\"%\\", *name) != NULL) {
+        if (strchr(".:@/\"%", *name) != NULL) {
             *name = '_';
         }
     }
@@ -94,6 +94,17 @@ static air_status read_nodes(godot_nodes *self)
     return status;
 }
 
+/* A name within quotes; only backslashes are left to be escaped. */
+static bool print_name(air_sink *sink, const char *name)
+{
+    bool done = true;
+    for (; *name != '\0' && done; name++) {
+        done = (*name != '\\' || air_sink_write(sink, sink->size, "\\", 1)) &&
+               air_sink_write(sink, sink->size, name, 1);
+    }
+    return done;
+}
+
 /* "../Parent/Node", as seen from a sibling of the scene's uppermost nodes. */
 static air_status print_path(const godot_nodes *self, size_t node, air_sink *sink)
 {
@@ -107,9 +118,8 @@ static air_status print_path(const godot_nodes *self, size_t node, air_sink *sin
     }
     bool done = air_godot_print(sink, "NodePath(\"..");
     while (depth-- > 0) {
-        const char *name = self->names[way[depth]];
         done = done && air_sink_write(sink, sink->size, "/", 1) &&
-               air_sink_write(sink, sink->size, name, strlen(name));
+               print_name(sink, self->names[way[depth]]);
     }
     return done && air_godot_print(sink, "\")") ? AIR_OK
                                                 : air_fail_memory(self->context, self->scene->path);
