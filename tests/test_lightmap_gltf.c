@@ -265,6 +265,18 @@ static void a_set_that_is_in_use_makes_room(void **state)
 
 /* ---- what is shown ---- */
 
+/* Light that rises from 1/2 to 1, covered everywhere. */
+static void image_like_wall(air_image *page)
+{
+    const size_t count = air_image_width(page) * air_image_height(page);
+    for (size_t c = 0; c < 13; c++) {
+        for (size_t i = 0; i < count; i++) {
+            air_image_plane(page, c)[i] =
+                c == 12 ? 1.0f : 0.5f + 0.5f * (float)i / (float)(count - 1);
+        }
+    }
+}
+
 /* Emission at every texel of a mesh's page against irradiance / pi times tint (or the page's
  * albedo). */
 static void check_emission(const loaded *copy, const char *name, const air_image *page,
@@ -377,6 +389,35 @@ static void lightmaps_are_stated_in_lux(void **state)
     }
     loaded copy = load(self, "lit.glb"); /* still a scene */
     unload(&copy);
+    air_lightmap_destroy(lightmap);
+}
+
+/* One texel that went wrong, and one that nothing covers, do not make the others black. */
+static void stray_texels_do_not_take_the_steps_of_the_others(void **state)
+{
+    lightmap_fixture *self = *state;
+    scene_write(self, "", "");
+    air_lightmap *lightmap = scene_lightmap(self, 13);
+    air_image *page = lightmap_page(self, 100, 20, 13);
+    air_image_destroy(lightmap->pages[0]);
+    lightmap->pages[0] = page;
+    image_like_wall(page);
+    air_image_plane(page, 0)[77] = 1e6f;
+    air_image_plane(page, 1)[78] = 1e7f;
+    air_image_plane(page, 12)[78] = 0.0f;
+    const air_lightmap_gltf_params params = {.show = AIR_SHOW_LIGHTMAP, .scale = 1.0f};
+    save(self, lightmap, "lit.gltf", &params);
+    assert_int_equal(self->warnings, 1);
+    assert_non_null(strstr(self->warning, "page 0: 1 texels brighter than "));
+    air_image *picture = NULL;
+    assert_int_equal(
+        air_image_load(self->context, lightmap_path(self, "lit-lightmap-0.png"), &picture), AIR_OK);
+    /* The wall is 1 at its brightest, so white is 4. */
+    for (size_t i = 0; i < 2000; i++) {
+        const float want = fminf(air_image_plane(page, 0)[i] / 4.0f, 1.0f);
+        assert_true(fabsf(air_image_plane(picture, 0)[i] - want) <= png_error);
+    }
+    air_image_destroy(picture);
     air_lightmap_destroy(lightmap);
 }
 
@@ -767,6 +808,7 @@ int main(void)
         TEST(albedo_of_the_page_goes_before_that_of_the_material),
         TEST(scale_multiplies_and_dim_light_needs_no_extension),
         TEST(lightmaps_are_stated_in_lux),
+        TEST(stray_texels_do_not_take_the_steps_of_the_others),
         TEST(coordinates_alone_leave_materials_alone),
         TEST(all_kinds_of_buffers_and_copies_mean_the_same),
         TEST(pictures_come_along),

@@ -12,6 +12,7 @@ typedef struct air_gltf_page {
     air_sink png;
     float peak;      /* W/(m^2 sr) of a texel that is white */
     bool has_albedo; /* the page is multiplied by it */
+    size_t clipped;  /* texels that are brighter */
     size_t texture;  /* index */
 } air_gltf_page;
 
