@@ -418,6 +418,14 @@ static void stray_texels_do_not_take_the_steps_of_the_others(void **state)
         assert_true(fabsf(air_image_plane(picture, 0)[i] - want) <= png_error);
     }
     air_image_destroy(picture);
+    /* Where nothing is said to be covered, all counts. */
+    memset(air_image_plane(page, 12), 0, 2000 * sizeof(float));
+    air_image_plane(page, 0)[77] = air_image_plane(page, 1)[78] = 0.5f;
+    save(self, lightmap, "lit.gltf", &params);
+    assert_int_equal(
+        air_image_load(self->context, lightmap_path(self, "lit-lightmap-0.png"), &picture), AIR_OK);
+    assert_true(air_image_plane(picture, 0)[1999] == 1.0f);
+    air_image_destroy(picture);
     air_lightmap_destroy(lightmap);
 }
 

@@ -30,7 +30,7 @@ static float choose_peak(float *largest, size_t count)
 }
 
 /* Multiplies by the albedo, divides by the peak; both go to *page, as does the number of texels
- * beyond it. Texels that nothing covers do not count. */
+ * beyond it. Texels that nothing covers do not count where others are covered. */
 static air_status normalise(air_context *context, const air_image *source, bool by_albedo,
                             air_image *image, air_gltf_page *page)
 {
@@ -50,9 +50,11 @@ static air_status normalise(air_context *context, const air_image *source, bool 
             planes[c][i] *= albedo[c][i];
         }
     }
-    for (size_t i = 0; i < count; i++) {
-        if (covered == NULL || covered[i] > 0.0f) {
-            largest[used++] = fmaxf(planes[0][i], fmaxf(planes[1][i], planes[2][i]));
+    for (int all = 0; all < 2 && used == 0; all++) {
+        for (size_t i = 0; i < count; i++) {
+            if (all || covered == NULL || covered[i] > 0.0f) {
+                largest[used++] = fmaxf(planes[0][i], fmaxf(planes[1][i], planes[2][i]));
+            }
         }
     }
     page->peak = fmaxf(choose_peak(largest, used), 0.0f);

@@ -29,11 +29,11 @@ static void encode(const float colour[3], uint8_t out[4])
     float least = INFINITY;
     const int from = first < 1.0f ? 1 : (int)first;
     for (int a = from; a <= 255 && a < from + CANDIDATES; a++) {
-        const float step = (float)a / (255.0f * 255.0f);
+        const float step = (float)a / (255.0f * 255.0f), per_step = 255.0f * 255.0f / (float)a;
         float worst = 0.0f;
         uint8_t bytes[3];
         for (int c = 0; c < 3; c++) {
-            const float byte = fminf(rintf(colour[c] / step), 255.0f);
+            const float byte = fminf(rintf(colour[c] * per_step), 255.0f);
             worst = fmaxf(worst, fabsf(byte * step - colour[c]));
             bytes[c] = (uint8_t)byte;
         }
