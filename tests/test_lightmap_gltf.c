@@ -265,6 +265,18 @@ static void a_set_that_is_in_use_makes_room(void **state)
 
 /* ---- what is shown ---- */
 
+/* Light that rises from 1/2 to 1, covered everywhere. */
+static void image_like_wall(air_image *page)
+{
+    const size_t count = air_image_width(page) * air_image_height(page);
+    for (size_t c = 0; c < 13; c++) {
+        for (size_t i = 0; i < count; i++) {
+            air_image_plane(page, c)[i] =
+                c == 12 ? 1.0f : 0.5f + 0.5f * (float)i / (float)(count - 1);
+        }
+    }
+}
+
 /* Emission at every texel of a mesh's page against irradiance / pi times tint (or the page's
  * albedo). */
 static void check_emission(const loaded *copy, const char *name, const air_image *page,
@@ -377,6 +389,68 @@ static void lightmaps_are_stated_in_lux(void **state)
     }
     loaded copy = load(self, "lit.glb"); /* still a scene */
     unload(&copy);
+    air_lightmap_destroy(lightmap);
+}
+
+/* One texel that went wrong, and one that nothing covers, do not make the others black. */
+static void stray_texels_do_not_take_the_steps_of_the_others(void **state)
+{
+    lightmap_fixture *self = *state;
+    scene_write(self, "", "");
+    air_lightmap *lightmap = scene_lightmap(self, 13);
+    air_image *page = lightmap_page(self, 100, 20, 13);
+    air_image_destroy(lightmap->pages[0]);
+    lightmap->pages[0] = page;
+    image_like_wall(page);
+    air_image_plane(page, 0)[77] = 1e6f;
+    air_image_plane(page, 1)[78] = 1e7f;
+    air_image_plane(page, 12)[78] = 0.0f;
+    const air_lightmap_gltf_params params = {.show = AIR_SHOW_LIGHTMAP, .scale = 1.0f};
+    save(self, lightmap, "lit.gltf", &params);
+    assert_int_equal(self->warnings, 1);
+    assert_non_null(strstr(self->warning, "page 0: 1 texels brighter than "));
+    air_image *picture = NULL;
+    assert_int_equal(
+        air_image_load(self->context, lightmap_path(self, "lit-lightmap-0.png"), &picture), AIR_OK);
+    /* The wall is 1 at its brightest, so white is 4. */
+    for (size_t i = 0; i < 2000; i++) {
+        const float want = fminf(air_image_plane(page, 0)[i] / 4.0f, 1.0f);
+        assert_true(fabsf(air_image_plane(picture, 0)[i] - want) <= png_error);
+    }
+    air_image_destroy(picture);
+    /* Where nothing is said to be covered, all counts. */
+    memset(air_image_plane(page, 12), 0, 2000 * sizeof(float));
+    air_image_plane(page, 0)[77] = air_image_plane(page, 1)[78] = 0.5f;
+    save(self, lightmap, "lit.gltf", &params);
+    assert_int_equal(
+        air_image_load(self->context, lightmap_path(self, "lit-lightmap-0.png"), &picture), AIR_OK);
+    assert_true(air_image_plane(picture, 0)[1999] == 1.0f);
+    air_image_destroy(picture);
+    air_lightmap_destroy(lightmap);
+}
+
+/* For engines: coordinates are there, materials as they were, and no picture. */
+static void coordinates_alone_leave_materials_alone(void **state)
+{
+    lightmap_fixture *self = *state;
+    scene_write(self, "", "");
+    air_lightmap *lightmap = scene_lightmap(self, 13);
+    const air_lightmap_gltf_params params = {.show = AIR_SHOW_COORDINATES, .scale = 1.0f};
+    save(self, lightmap, "out/lit.gltf", &params);
+    assert_int_equal(lightmap_count_files(lightmap_path(self, "out")), 2);
+    json_t *root = read_json(self, "out/lit.gltf"), *source = read_json(self, "room.gltf");
+    static const char *const same[] = {"materials", "images", "textures", "samplers",
+                                       "extensionsUsed"};
+    for (size_t i = 0; i < 5; i++) {
+        json_t *a = json_object_get(root, same[i]), *b = json_object_get(source, same[i]);
+        assert_true(a == b || json_equal(a, b));
+    }
+    loaded copy = load(self, "out/lit.gltf");
+    assert_memory_equal(find_mesh(&copy, "right")->uv[1], scene_cut_uv, sizeof scene_cut_uv);
+    assert_true(find_mesh(&copy, "lamp")->uv[1][0] == 0.0f);
+    unload(&copy);
+    json_decref(source);
+    json_decref(root);
     air_lightmap_destroy(lightmap);
 }
 
@@ -646,6 +720,88 @@ static void a_shared_scene_is_copied_with_its_own_coordinates(void **state)
     air_lightmap_destroy(lightmap);
 }
 
+/* Cuts every primitive of a scene into single triangles, by what the importer has of it. Meshes are
+ * in the order of nodes and primitives, as nodes are flat. */
+static air_lightmap *cut_all(lightmap_fixture *self, const air_snapshot *snapshot, json_t *root)
+{
+    air_lightmap *lightmap = NULL;
+    size_t node, primitive, next = 0;
+    json_t *node_json, *primitive_json;
+    assert_int_equal(air_lightmap_create(self->context, &lightmap), AIR_OK);
+    lightmap_add_page(self, lightmap, lightmap_page(self, 32, 32, 13));
+    lightmap->meshes = air_allocate(self->context, snapshot->mesh_count, sizeof *lightmap->meshes);
+    lightmap->mesh_count = snapshot->mesh_count;
+    json_array_foreach(json_object_get(root, "nodes"), node, node_json)
+    {
+        json_t *mesh_at = json_object_get(node_json, "mesh");
+        json_t *mesh =
+            mesh_at == NULL ? NULL : item(root, "meshes", (size_t)json_integer_value(mesh_at));
+        json_array_foreach(json_object_get(mesh, "primitives"), primitive, primitive_json)
+        {
+            const air_mesh *source = snapshot->meshes[next];
+            const size_t count = 3 * source->triangle_count;
+            uint32_t *order = calloc(count, sizeof *order);
+            float *uv = calloc(2 * count, sizeof *uv);
+            for (size_t i = 0; i < count; i++) {
+                order[i] = (uint32_t)i;
+                uv[2 * i] = (float)i / (float)count;
+            }
+            lightmap->meshes[next] = (air_lightmap_mesh){.mesh = (uint32_t)next,
+                                                         .node = (int32_t)node,
+                                                         .primitive = (int32_t)primitive,
+                                                         .scale = {1, 1}};
+            lightmap_cut(self, &lightmap->meshes[next], count, source->indices, uv,
+                         source->triangle_count, order);
+            free(order);
+            free(uv);
+            next++;
+        }
+    }
+    assert_int_equal(next, snapshot->mesh_count);
+    return lightmap;
+}
+
+/* A whole room, pictures and all: the same triangles with the same corners, colours and
+ * coordinates. */
+static void a_furnished_room_is_cut_and_stays_the_room(void **state)
+{
+    lightmap_fixture *self = *state;
+    static const char scene[] = AIR_SOURCE_DIR "/scenes/sunroom/sunroom.gltf";
+    json_error_t error;
+    json_t *root = json_load_file(scene, 0, &error);
+    loaded source = {0};
+    air_load_params params;
+    air_load_params_default(&params);
+    assert_non_null(root);
+    assert_int_equal(air_scene_load(self->context, scene, &params, &source.scene), AIR_OK);
+    assert_int_equal(air_scene_commit(source.scene, &source.snapshot, NULL), AIR_OK);
+    air_lightmap *lightmap = cut_all(self, source.snapshot, root);
+    if (air_lightmap_save_gltf(self->context, lightmap, scene, lightmap_path(self, "room.glb"),
+                               NULL) != AIR_OK) {
+        fail_msg("%s", air_context_last_error(self->context));
+    }
+    loaded copy = load(self, "room.glb");
+    assert_int_equal(copy.snapshot->mesh_count, source.snapshot->mesh_count);
+    for (size_t m = 0; m < source.snapshot->mesh_count; m++) {
+        const air_mesh *a = source.snapshot->meshes[m], *b = copy.snapshot->meshes[m];
+        assert_int_equal(a->triangle_count, b->triangle_count);
+        assert_true((a->uv[0] != NULL) == (b->uv[0] != NULL));
+        for (size_t i = 0; i < 3 * a->triangle_count; i++) {
+            const size_t from = a->indices[i], to = b->indices[i];
+            assert_memory_equal(a->positions + 3 * from, b->positions + 3 * to, 12);
+            assert_memory_equal(a->normals + 3 * from, b->normals + 3 * to, 12);
+            if (a->uv[0] != NULL) {
+                assert_memory_equal(a->uv[0] + 2 * from, b->uv[0] + 2 * to, 8);
+            }
+            assert_true(b->uv[1][2 * to] == (float)i / (float)(3 * a->triangle_count));
+        }
+    }
+    unload(&copy);
+    unload(&source);
+    json_decref(root);
+    air_lightmap_destroy(lightmap);
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, lightmap_start, lightmap_finish)
@@ -660,6 +816,8 @@ int main(void)
         TEST(albedo_of_the_page_goes_before_that_of_the_material),
         TEST(scale_multiplies_and_dim_light_needs_no_extension),
         TEST(lightmaps_are_stated_in_lux),
+        TEST(stray_texels_do_not_take_the_steps_of_the_others),
+        TEST(coordinates_alone_leave_materials_alone),
         TEST(all_kinds_of_buffers_and_copies_mean_the_same),
         TEST(pictures_come_along),
         TEST(a_full_disk_leaves_the_older_copy),
@@ -667,6 +825,7 @@ int main(void)
         TEST(names_and_scales_are_checked),
         TEST(truncated_glb_files_are_refused),
         TEST(writing_without_memory_leaves_nothing),
+        TEST(a_furnished_room_is_cut_and_stays_the_room),
         TEST(a_shared_scene_is_copied_with_its_own_coordinates),
     };
 #undef TEST

@@ -112,8 +112,13 @@ AIR_API air_status air_lightmap_load(air_context *context, const char *folder,
 /* EMISSIVE: the surface sends out what it reflects: base colour black, emission = albedo x
  * irradiance / pi, by the pages' albedo.R, .G, .B where they have them, else by the material's base
  * colour factor. Every viewer shows it. LIGHTMAP: the material stays and gets MOZ_lightmap,
- * irradiance in lux. */
-typedef enum air_lightmap_show { AIR_SHOW_EMISSIVE = 0, AIR_SHOW_LIGHTMAP = 1 } air_lightmap_show;
+ * irradiance in lux. COORDINATES: nothing is shown, only TEXCOORD_1 are there, for an engine that
+ * brings the pages in. */
+typedef enum air_lightmap_show {
+    AIR_SHOW_EMISSIVE = 0,
+    AIR_SHOW_LIGHTMAP = 1,
+    AIR_SHOW_COORDINATES = 2
+} air_lightmap_show;
 
 typedef struct air_lightmap_gltf_params {
     air_lightmap_show show; /* default AIR_SHOW_EMISSIVE */
@@ -132,8 +137,23 @@ AIR_API void air_lightmap_gltf_params_default(air_lightmap_gltf_params *params);
 AIR_API air_status air_lightmap_save_gltf(air_context *context, const air_lightmap *lightmap,
                                           const char *scene_path, const char *path,
                                           const air_lightmap_gltf_params *params);
+
+typedef struct air_lightmap_godot_params {
+    float scale; /* of all light, positive and finite; default 1 */
+} air_lightmap_godot_params;
+AIR_API void air_lightmap_godot_params_default(air_lightmap_godot_params *params);
+
+/* lightmap.tres (LightmapGIData), lightmap.exr (a texture array, its slices one below the other)
+ * and its .import file, for Godot 4 and a glTF copy with AIR_SHOW_COORDINATES. scene_path: the glTF
+ * scene, for the names of nodes. Probes: the first grid of at least 2 x 2 x 2. What cannot be said
+ * is left out with a warning. params NULL: the defaults. */
 AIR_API air_status air_lightmap_save_godot(air_context *context, const air_lightmap *lightmap,
-                                           const char *folder);
+                                           const char *scene_path, const char *folder,
+                                           const air_lightmap_godot_params *params);
+
+/* lightmap-0.ktx2, ... (halfs, irradiance / pi) and bevy.json with the rectangle of each mesh. What
+ * is cut needs a glTF copy with AIR_SHOW_COORDINATES. AIR_ERROR_UNSUPPORTED: a rectangle that
+ * leaves its page. */
 AIR_API air_status air_lightmap_save_bevy(air_context *context, const air_lightmap *lightmap,
                                           const char *folder);
 /* The largest irradiance / pi of all pages, W/(m^2 sr): what a white surface would send out there.

@@ -275,7 +275,8 @@ static air_status embed_images(air_gltf_copy *self)
     return status;
 }
 
-air_status air_gltf_copy_read(air_context *context, const char *path, air_gltf_copy *out)
+static air_status read_copy(air_context *context, const char *path, bool json_only,
+                            air_gltf_copy *out)
 {
     void *data = NULL;
     size_t size = 0, text_size = 0, chunk_size = 0;
@@ -297,14 +298,24 @@ air_status air_gltf_copy_read(air_context *context, const char *path, air_gltf_c
         const air_place root = air_gltf_copy_root(out);
         status = air_place_wrong(&root, "an object");
     }
-    if (status == AIR_OK) {
+    if (status == AIR_OK && !json_only) {
         status = join_buffers(out, chunk, chunk_size);
     }
-    if (status == AIR_OK) {
+    if (status == AIR_OK && !json_only) {
         status = embed_images(out);
     }
     air_free(context, data);
     return status;
+}
+
+air_status air_gltf_copy_read(air_context *context, const char *path, air_gltf_copy *out)
+{
+    return read_copy(context, path, false, out);
+}
+
+air_status air_gltf_copy_read_json(air_context *context, const char *path, air_gltf_copy *out)
+{
+    return read_copy(context, path, true, out);
 }
 
 void air_gltf_copy_finish(air_gltf_copy *self)

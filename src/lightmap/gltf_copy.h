@@ -20,6 +20,8 @@ typedef struct air_gltf_copy {
  * also after a failure. AIR_ERROR_UNSUPPORTED: compressed buffer views (EXT_meshopt_compression).
  */
 air_status air_gltf_copy_read(air_context *context, const char *path, air_gltf_copy *out);
+/* Reads its JSON alone, for what can be learned from that. */
+air_status air_gltf_copy_read_json(air_context *context, const char *path, air_gltf_copy *out);
 void air_gltf_copy_finish(air_gltf_copy *self);
 
 air_place air_gltf_copy_root(const air_gltf_copy *self);

@@ -219,6 +219,10 @@ static air_status light_primitive(lit_primitive *self)
         json_object_set_new(self->attributes.value, name, old);
     }
     status = own ? use_own_coordinates(self) : cut(self);
+    if (status == AIR_OK && moved == AIR_GLTF_SET &&
+        self->show->params.show == AIR_SHOW_COORDINATES) {
+        return AIR_OK; /* nothing to say about the material */
+    }
     if (status == AIR_OK) {
         status =
             air_gltf_show_material(self->show, material, (size_t)self->mesh->page, moved, &copy);

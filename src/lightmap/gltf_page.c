@@ -1,5 +1,6 @@
 /* gltf_page.c: pages as textures of a glTF file. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "lightmap/check.h"
@@ -9,26 +10,64 @@
 
 enum { LINEAR = 9729, CLAMP_TO_EDGE = 33071 };
 
-/* Multiplies by the albedo, divides by the largest value; both go to *page. */
-static void normalise(const air_image *source, bool by_albedo, air_image *image,
-                      air_gltf_page *page)
+static int compare_floats(const void *a, const void *b)
+{
+    const float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+/* What 255 stands for: the largest value, but no more than four times what 99.9 % of the texels do
+ * not pass: a few texels that went wrong must not take all steps from the others. largest: per
+ * texel; is sorted. */
+static float choose_peak(float *largest, size_t count)
+{
+    if (count == 0) {
+        return 0.0f;
+    }
+    qsort(largest, count, sizeof *largest, compare_floats);
+    const float most = largest[count - 1], usual = largest[count - 1 - count / 1000];
+    return usual > 0.0f ? fminf(most, 4.0f * usual) : most;
+}
+
+/* Multiplies by the albedo, divides by the peak; both go to *page, as does the number of texels
+ * beyond it. Texels that nothing covers do not count where others are covered. */
+static air_status normalise(air_context *context, const air_image *source, bool by_albedo,
+                            air_image *image, air_gltf_page *page)
 {
     const size_t count = air_image_width(image) * air_image_height(image);
+    const ptrdiff_t coverage = air_image_find_channel(source, "coverage.Y");
+    const float *covered = coverage < 0 ? NULL : air_image_plane_const(source, (size_t)coverage);
     const float *albedo[3];
+    float *planes[3], *largest = air_allocate(context, count, sizeof *largest);
+    size_t used = 0;
+    if (largest == NULL) {
+        return air_fail_memory(context, "lightmap");
+    }
     page->has_albedo = by_albedo && air_lightmap_planes(source, "albedo", albedo);
     for (size_t c = 0; c < 3; c++) {
-        float *plane = air_image_plane(image, c);
-        for (size_t i = 0; i < count; i++) {
-            plane[i] *= page->has_albedo ? albedo[c][i] : 1.0f;
-            page->peak = fmaxf(page->peak, plane[i]);
+        planes[c] = air_image_plane(image, c);
+        for (size_t i = 0; i < count && page->has_albedo; i++) {
+            planes[c][i] *= albedo[c][i];
         }
+    }
+    for (int all = 0; all < 2 && used == 0; all++) {
+        for (size_t i = 0; i < count; i++) {
+            if (all || covered == NULL || covered[i] > 0.0f) {
+                largest[used++] = fmaxf(planes[0][i], fmaxf(planes[1][i], planes[2][i]));
+            }
+        }
+    }
+    page->peak = fmaxf(choose_peak(largest, used), 0.0f);
+    for (size_t i = used; i-- > 0 && largest[i] > page->peak;) {
+        page->clipped++;
     }
     for (size_t c = 0; c < 3 && page->peak > 0.0f; c++) {
-        float *plane = air_image_plane(image, c);
         for (size_t i = 0; i < count; i++) {
-            plane[i] /= page->peak;
+            planes[c][i] /= page->peak;
         }
     }
+    air_free(context, largest);
+    return AIR_OK;
 }
 
 /* 8 bits with sRGB's transfer. */
@@ -45,10 +84,17 @@ static air_status encode(air_gltf_show *self, size_t index)
     page->png.context = context;
     air_status status = air_lightmap_page_radiance(context, source, &image);
     if (status == AIR_OK) {
-        normalise(source, self->params.show == AIR_SHOW_EMISSIVE, image, page);
+        status = normalise(context, source, self->params.show == AIR_SHOW_EMISSIVE, image, page);
+    }
+    if (status == AIR_OK) {
         status = air_png_write(context, image, "lightmap", &params, &page->png);
     }
     air_image_destroy(image);
+    if (status == AIR_OK && page->clipped > 0) {
+        air_warn(context,
+                 "page %zu: %zu texels brighter than %g W/(m^2 sr) are shown as bright as that",
+                 index, page->clipped, (double)page->peak);
+    }
     return status;
 }
 
@@ -99,7 +145,10 @@ air_status air_gltf_show_begin(air_gltf_show *self, const char *stem)
     if (self->pages == NULL) {
         return air_fail_memory(self->copy->context, self->copy->path);
     }
-    air_status status = count > 0 ? add_sampler(self->copy, &sampler) : AIR_OK;
+    if (count == 0 || self->params.show == AIR_SHOW_COORDINATES) {
+        return AIR_OK;
+    }
+    air_status status = add_sampler(self->copy, &sampler);
     for (size_t i = 0; i < count && status == AIR_OK; i++) {
         size_t image = 0;
         status = encode(self, i);

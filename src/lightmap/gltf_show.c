@@ -33,7 +33,7 @@ air_status air_gltf_show_wanted(const air_gltf_show *self, size_t material, bool
         return air_place_wrong(&at, "a material");
     }
     if (json_object_get(extensions, "KHR_materials_unlit") != NULL) {
-        *out_wanted = false;
+        *out_wanted = self->params.show == AIR_SHOW_COORDINATES;
     }
     for (size_t c = 0; c < 3 && self->params.show == AIR_SHOW_EMISSIVE; c++) {
         if (json_number_value(json_array_get(factor, c)) > 0.0) {
@@ -204,14 +204,19 @@ air_status air_gltf_show_material(air_gltf_show *self, size_t material, size_t p
     if (copy == NULL) {
         return air_fail_memory(self->copy->context, self->copy->path);
     }
-    rename_copy(copy, page);
+    if (self->params.show != AIR_SHOW_COORDINATES) {
+        rename_copy(copy, page);
+    }
     if (moved != AIR_GLTF_SET) {
         (void)uses_set(copy, moved);
     }
     air_gltf_material entry = {material, page, moved, 0};
-    air_status status = self->params.show == AIR_SHOW_EMISSIVE
-                            ? make_emissive(self, copy, &self->pages[page])
-                            : make_lightmap(self, copy, &self->pages[page]);
+    air_status status = AIR_OK;
+    if (self->params.show == AIR_SHOW_EMISSIVE) {
+        status = make_emissive(self, copy, &self->pages[page]);
+    } else if (self->params.show == AIR_SHOW_LIGHTMAP) {
+        status = make_lightmap(self, copy, &self->pages[page]);
+    }
     if (status != AIR_OK) {
         json_decref(copy);
         return status;

@@ -12,6 +12,7 @@ typedef struct air_gltf_page {
     air_sink png;
     float peak;      /* W/(m^2 sr) of a texel that is white */
     bool has_albedo; /* the page is multiplied by it */
+    size_t clipped;  /* texels that are brighter */
     size_t texture;  /* index */
 } air_gltf_page;
 
@@ -43,7 +44,7 @@ void air_gltf_show_finish(air_gltf_show *self);
 air_status air_gltf_show_wanted(const air_gltf_show *self, size_t material, bool *out_wanted);
 /* Does it use the set of coordinates that the lightmap takes? */
 bool air_gltf_show_uses_set(const air_gltf_show *self, size_t material);
-/* The copy of a material that shows a page. */
+/* The copy of a material that shows a page (COORDINATES: whose set 1 has moved). */
 air_status air_gltf_show_material(air_gltf_show *self, size_t material, size_t page, size_t moved,
                                   size_t *out_index);
 

@@ -8,7 +8,7 @@
 #include "lightmap/place.h"
 #include "lightmap/staging.h"
 
-enum { VERSION = 1, NAME = 64 };
+enum { VERSION = 1, NAME = 64, CANDIDATES = 32 };
 
 typedef struct rgbm_job {
     const float *planes[3]; /* irradiance / pi */
@@ -18,21 +18,22 @@ typedef struct rgbm_job {
     size_t *clamped; /* per row: texels beyond the range */
 } rgbm_job;
 
-/* The four bytes nearest to a colour in [0, 1]: of all multipliers a that reach its largest
- * component the one whose largest error is least. With the smallest of them, a = ceil(255 m), bytes
- * are at least 127.5 once a is 2 or more, so the error is at most m / 255; with a = 1 it is at most
- * 1 / (2 * 255^2). */
+/* Four bytes near a colour in [0, 1]: of the first multipliers a that reach its largest component
+ * the one whose largest error is least. With the smallest of them, a = ceil(255 m), bytes are at
+ * least 127.5 once a is 2 or more, so the error is at most m / 255; with a = 1 it is at most 1 / (2
+ * * 255^2). */
 static void encode(const float colour[3], uint8_t out[4])
 {
     const float largest = fmaxf(colour[0], fmaxf(colour[1], colour[2]));
     const float first = ceilf(255.0f * largest);
     float least = INFINITY;
-    for (int a = first < 1.0f ? 1 : (int)first; a <= 255; a++) {
-        const float step = (float)a / (255.0f * 255.0f);
+    const int from = first < 1.0f ? 1 : (int)first;
+    for (int a = from; a <= 255 && a < from + CANDIDATES; a++) {
+        const float step = (float)a / (255.0f * 255.0f), per_step = 255.0f * 255.0f / (float)a;
         float worst = 0.0f;
         uint8_t bytes[3];
         for (int c = 0; c < 3; c++) {
-            const float byte = fminf(rintf(colour[c] / step), 255.0f);
+            const float byte = fminf(rintf(colour[c] * per_step), 255.0f);
             worst = fmaxf(worst, fabsf(byte * step - colour[c]));
             bytes[c] = (uint8_t)byte;
         }

@@ -134,6 +134,9 @@ static air_status write_gltf(air_gltf_show *show, air_staging *staging, const ch
     }
     for (size_t i = 0; i < show->lightmap->page_count && status == AIR_OK; i++) {
         const air_sink *png = &show->pages[i].png;
+        if (png->size == 0) {
+            continue; /* pages are not shown */
+        }
         char *page = air_string_format(context, "%s-lightmap-%zu.png", stem, i);
         status = page == NULL ? air_fail_memory(context, stem)
                               : air_staging_add(staging, page, png->data, png->size);

@@ -21,7 +21,7 @@ seeds=$build/seeds/$name
 mkdir -p "$found" "$seeds"
 cp "$here/corpus/$name"/* "$seeds"
 case $name in
-gltf) endings='gltf glb' ;;
+gltf | lightmap_gltf) endings='gltf glb' ;;
 vol) endings='vol' ;;
 nvdb) endings='nvdb' ;;
 hdr) endings='hdr' ;;
@@ -37,7 +37,8 @@ done
 chmod -R u+w "$seeds"
 
 dictionary=
-[ ! -f "$here/$name.dict" ] || dictionary="-dict=$here/$name.dict"
+words=${name#lightmap_}
+[ ! -f "$here/$words.dict" ] || dictionary="-dict=$here/$words.dict"
 
 cd "$found"
 # shellcheck disable=SC2086 # no dictionary is no argument
