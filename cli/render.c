@@ -75,8 +75,7 @@ static cli_exit check_content(render_run *run)
     const uint32_t without_light = 1u << AIR_TERM_EMISSION | 1u << AIR_TERM_BACKGROUND;
     air_scene_info info;
     air_snapshot_info(run->snapshot, &info);
-    if (!info.light_present && run->lightmap == NULL &&
-        (run->params.terms & ~without_light) != 0) {
+    if (!info.light_present && run->lightmap == NULL && (run->params.terms & ~without_light) != 0) {
         cli_say(&run->host.progress, AIR_MESSAGE_ERROR,
                 "%s: no light in the scene, the picture would be black: add one with --environment "
                 "constant=1,1,1 or --environment FILE.hdr, or with --with FILE",

@@ -82,13 +82,11 @@ enum { VIEW_DIRECT = 3, VIEW_INDIRECT = 6, VIEW_MEDIA = 9, VIEW_HARMONICS = 12 }
 static inline air_image *view_page(air_context *context, size_t width, size_t height,
                                    bool directional)
 {
-    static const char *const names[] = {"R",       "G",          "B",          "direct.R",
-                                        "direct.G", "direct.B",   "indirect.R", "indirect.G",
-                                        "indirect.B", "media.R",  "media.G",    "media.B",
-                                        "L0.R",    "L0.G",       "L0.B",       "L1.y.R",
-                                        "L1.y.G",  "L1.y.B",     "L1.z.R",     "L1.z.G",
-                                        "L1.z.B",  "L1.x.R",     "L1.x.G",     "L1.x.B",
-                                        "coverage.Y"};
+    static const char *const names[] = {
+        "R",          "G",          "B",       "direct.R",  "direct.G", "direct.B", "indirect.R",
+        "indirect.G", "indirect.B", "media.R", "media.G",   "media.B",  "L0.R",     "L0.G",
+        "L0.B",       "L1.y.R",     "L1.y.G",  "L1.y.B",    "L1.z.R",   "L1.z.G",   "L1.z.B",
+        "L1.x.R",     "L1.x.G",     "L1.x.B",  "coverage.Y"};
     const char *list[25];
     const size_t count = directional ? 24 : 12;
     air_image *image = NULL;

@@ -74,8 +74,7 @@ static air_image *sloping_page(air_context *context, size_t width, size_t height
 {
     air_image *page = view_page(context, width, height, false);
     for (size_t i = 0; i < width * height; i++) {
-        air_image_plane(page, VIEW_DIRECT)[i] =
-            (float)(1 + 10 * (i % width) + 100 * (i / width));
+        air_image_plane(page, VIEW_DIRECT)[i] = (float)(1 + 10 * (i % width) + 100 * (i / width));
     }
     return page;
 }
@@ -194,7 +193,8 @@ static void smoke_dims_baked_light_as_it_dims_emission(void **state)
 {
     (void)state;
     const float values[8] = {0.5f, 3, 1, 0, 2, 0.25f, 1, 4};
-    const air_grid_desc grid = {"puff", {2, 2, 2}, 1, values, {1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 0.4f, 0.1f}};
+    const air_grid_desc grid = {
+        "puff", {2, 2, 2}, 1, values, {1, 0, 0, -1, 0, 1, 0, -1, 0, 0, 0.4f, 0.1f}};
     air_context *context = fixture_context();
     air_scene *scene = fixture_scene(context);
     air_material_desc glow = view_lambert(1.0f, 1.0f, 1.0f);
@@ -220,8 +220,7 @@ static void smoke_dims_baked_light_as_it_dims_emission(void **state)
     air_image *image = view_render(context, snapshot, &params);
     size_t between = 0;
     for (size_t i = 0; i < VIEW_SIZE * VIEW_SIZE; i++) {
-        const double emission =
-            view_value(image, "emission.G", i % VIEW_SIZE, i / VIEW_SIZE);
+        const double emission = view_value(image, "emission.G", i % VIEW_SIZE, i / VIEW_SIZE);
         assert_near(view_value(image, "S0.G", i % VIEW_SIZE, i / VIEW_SIZE), emission);
         between += emission > 0.05 && emission < 0.95;
     }

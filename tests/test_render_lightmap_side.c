@@ -130,7 +130,8 @@ static void backs_are_dark_unless_both_sides_count(void **state)
     air_context *context = fixture_context();
     const air_vec3 up = vec3(0.0f, 0.0f, 1.0f), tilt = vec3(0.6f, 0.0f, 0.8f);
     const air_vec3 d = vec3(0.6f, 0.0f, 0.8f);
-    const shown back = show(context, tilted_scene(context, up, false, -1.0f), beam_page(context, d));
+    const shown back =
+        show(context, tilted_scene(context, up, false, -1.0f), beam_page(context, d));
     assert_true(back.direct == 0.0 && back.further == 0.0);
     for (int tilted = 0; tilted < 2; tilted++) {
         const air_vec3 n = tilted ? tilt : up;

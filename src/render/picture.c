@@ -196,8 +196,8 @@ air_status air_picture_init(air_picture *picture, air_context *context,
                                         .vertex_hook_user = params->vertex_hook_user};
     status = air_path_init(&picture->path, snapshot, &picture->sobol, &settings);
     if (status == AIR_OK) {
-        status = air_with_collimated_create(&picture->path, picture->owners, &picture->view,
-                                            traced, &picture->collimated);
+        status = air_with_collimated_create(&picture->path, picture->owners, &picture->view, traced,
+                                            &picture->collimated);
     }
     if (status == AIR_OK) {
         status = air_with_arealight_create(&picture->path, picture->owners, params, traced,

@@ -139,8 +139,7 @@ air_status air_with_arealight_create(const air_path *path, const air_owner_table
 {
     air_context *context = path->snapshot->context;
     *out = NULL;
-    if (!some_light_is_owned(owners) ||
-        (terms & (1u << AIR_TERM_S0 | 1u << AIR_TERM_M1)) == 0) {
+    if (!some_light_is_owned(owners) || (terms & (1u << AIR_TERM_S0 | 1u << AIR_TERM_M1)) == 0) {
         return AIR_OK;
     }
     air_with_arealight *with = air_allocate(context, 1, sizeof *with);
