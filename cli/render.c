@@ -24,6 +24,7 @@ static const cli_usage render_usage = {
         "  airlight render room.glb -o room.exr -o room.png\n"
         "  airlight render room.glb --medium visibility=50m --environment sky.hdr --quality draft\n"
         "  airlight render room.glb --time 60 --width 1920 --layers -o room.exr\n"
+        "  airlight render room.glb --lightmap room.lightmap -o baked.exr\n"
         "  airlight render room.glb --samples 0:256 -o a.film    # and 256:512 elsewhere, then "
         "merge\n",
     .argument_min = 1,
@@ -45,6 +46,7 @@ typedef struct render_run {
     cli_camera camera;
     air_render_params params;
     air_area_table area_table;
+    air_lightmap *lightmap;
     cli_attributes attributes;
     air_film *film;
     bool interrupted;
@@ -73,7 +75,7 @@ static cli_exit check_content(render_run *run)
     const uint32_t without_light = 1u << AIR_TERM_EMISSION | 1u << AIR_TERM_BACKGROUND;
     air_scene_info info;
     air_snapshot_info(run->snapshot, &info);
-    if (!info.light_present && (run->params.terms & ~without_light) != 0) {
+    if (!info.light_present && run->lightmap == NULL && (run->params.terms & ~without_light) != 0) {
         cli_say(&run->host.progress, AIR_MESSAGE_ERROR,
                 "%s: no light in the scene, the picture would be black: add one with --environment "
                 "constant=1,1,1 or --environment FILE.hdr, or with --with FILE",
@@ -114,6 +116,9 @@ static void make_attributes(render_run *run)
                       assumed_unit(run->description, "emissive"));
     cli_attribute_add(attributes, "airlight:method", false, "%s", params->methods);
     cli_attribute_add(attributes, "airlight:terms", false, "%s", terms);
+    if (run->lightmap != NULL) {
+        cli_attribute_add(attributes, "airlight:lightmap", false, "%s", run->options.lightmap);
+    }
     cli_attribute_add(attributes, "airlight:filter", false, "%s",
                       cli_render_filter_name(params->filter));
     cli_attribute_add(attributes, "airlight:frame", false, "%zux%zu", params->width,
@@ -153,6 +158,12 @@ static cli_exit prepare(render_run *run)
         result = cli_host_exit(
             &run->host, air_area_table_load(run->host.context, path, &run->area_table), path);
         run->params.area_table = &run->area_table;
+    }
+    if (result == CLI_OK && run->options.lightmap != NULL) {
+        const char *path = run->options.lightmap;
+        result = cli_host_exit(&run->host,
+                               air_lightmap_load(run->host.context, path, &run->lightmap), path);
+        run->params.lightmap = run->lightmap;
     }
     run->load_s = cli_clock() - start_s;
     return result == CLI_OK ? check_content(run) : result;
@@ -367,6 +378,7 @@ cli_exit cli_render(int argc, char **argv)
         result = run_render(&run);
     }
     air_film_destroy(run.film);
+    air_lightmap_destroy(run.lightmap);
     cli_attributes_finish(&run.attributes);
     json_decref(run.description);
     air_snapshot_release(run.snapshot);

@@ -150,6 +150,13 @@ static const cli_option light_options[] = {
      .max = AIR_AREA_MAX_DRAWS,
      .offset = offsetof(cli_render_options, candidates),
      .help = "Of arealight: samples from which each shadow ray is chosen; default 8."},
+    {.name = "lightmap",
+     .kind = CLI_TEXT,
+     .value = "DIR",
+     .offset = offsetof(cli_render_options, lightmap),
+     .help = "Light on surfaces as `airlight bake -o DIR` has it, not traced: S0 is what it calls "
+             "direct, S+ indirect and media. Give the media and environment that it was baked "
+             "with: fog and sky are rendered as ever."},
     {.name = "terms",
      .kind = CLI_SET,
      .value = "LIST",

@@ -10,7 +10,7 @@
 typedef struct cli_render_options {
     cli_count quality, spp, seed, max_depth, filter, pattern, variance, tile_size;
     cli_count rule, nodes, shadow_samples, candidates; /* of arealight */
-    const char *area_table;
+    const char *area_table, *lightmap;
     cli_counts samples;
     cli_real time, write_partial;
     cli_count terms;

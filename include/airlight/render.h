@@ -7,6 +7,7 @@
 
 #include "airlight/area_table.h"
 #include "airlight/image.h"
+#include "airlight/lightmap.h"
 #include "airlight/scene.h"
 
 #ifdef __cplusplus
@@ -131,6 +132,14 @@ typedef struct air_render_params {
     uint32_t shadow_candidates;       /* [1, AIR_AREA_MAX_DRAWS]; default 8 */
     const air_area_table *area_table; /* lobes of modes ltsd or mix, whichever it is for; borrowed;
                                          NULL: the library's */
+    /* The light on surfaces that the camera sees (S0 and S+), as it was baked, instead of tracing
+     * it: what a surface sends is its albedo towards the camera times irradiance / pi. S0 is the
+     * layer direct, S+ the layers indirect and media, of as many bounces as were baked. With
+     * directional light, normal maps turn the irradiance. Backs of surfaces are dark unless their
+     * material is double-sided: then both sides show the front's light. Meshes that are on no page
+     * are dark, with a warning. All other terms are as without. AIR_ERROR_ARGUMENT names a mesh
+     * that is not the scene's. Borrowed; default NULL: none. */
+    const air_lightmap *lightmap;
     double time_limit_s; /* INFINITY: none. Stops after the pass in which it is exceeded */
     size_t tile_size;    /* pixels; has no influence on the result; default 32 */
     bool layers; /* keep the terms apart in the film, for layers; else they share one slot; default

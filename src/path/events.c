@@ -296,11 +296,13 @@ static void events_closed(const air_path *path, air_path_scratch *scratch, const
 static void events_tracked(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
                            const air_ray *ray, bool met, float t, air_path_lane *lane)
 {
+    const uint32_t surface_terms = (1u << AIR_TERM_S0) | (1u << AIR_TERM_S_PLUS);
+    const bool ends = walk->depth > 0 || (path->settings.terms & surface_terms) != 0;
     air_rng rng = path_ray_rng(lane, walk, 0x20000u);
     const air_collision collision = air_track_collision(&scratch->media, walk->beta, &rng);
     if (collision.happened) {
         scatter_tracked(path, scratch, walk, &collision, lane);
-    } else if (met) {
+    } else if (met && ends) {
         push_surface(path, scratch, walk, collision.weight, ray, t, lane);
     }
 }

@@ -296,6 +296,15 @@ void air_path_trace(const air_path *path, air_path_scratch *scratch, air_path_la
     walk_on(path, scratch, lanes, 0);
 }
 
+air_vec3 air_path_view_transmittance(const air_path *path, air_path_scratch *scratch,
+                                     const air_path_lane *lane)
+{
+    const path_walk walk = {.first_medium = AIR_NO_MEDIUM};
+    const float t = lane->hit.mesh != (uint32_t)AIR_NO_HIT ? lane->hit.t : AIR_FAR;
+    air_ray_media_make(&scratch->media, path->media, lane->origin, lane->dir, t);
+    return end_transmittance(&scratch->media, true, t, lane, &walk);
+}
+
 static void receive(path_vertex *vertex, size_t i, air_path_lane *lane)
 {
     const air_path_receiver *receiver = lane->receiver;

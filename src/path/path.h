@@ -154,6 +154,12 @@ void air_path_shares(const air_path *path, const air_ray *rays, size_t count, ui
 void air_path_trace(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
                     size_t count);
 
+/* Of the media between the camera and what a traced lane met (lane->hit), all of them where that
+ * is nothing: in closed form, else the unbiased estimate that emission seen there is weighted by.
+ */
+air_vec3 air_path_view_transmittance(const air_path *path, air_path_scratch *scratch,
+                                     const air_path_lane *lane);
+
 /* The same from receivers. Of a lane: sampler and receiver are read. */
 void air_path_receive(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
                       size_t count);

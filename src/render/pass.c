@@ -183,6 +183,9 @@ static void trace_block(const render_pass *pass, pass_worker *worker, air_path_l
     if (picture->arealight != NULL) {
         air_with_arealight_add(picture->arealight, worker->arealight, lanes, ratios, count);
     }
+    if (picture->lightmap != NULL) {
+        air_with_lightmap_add(picture->lightmap, worker->scratch, lanes, count);
+    }
 }
 
 /* Samples [begin, end) of each pixel, together no more than there are lanes; the last ones of their

@@ -22,6 +22,9 @@ static uint64_t settings_hash(const air_picture *picture)
     if (p->area_table != NULL) {
         hash = air_fingerprint_add(hash, p->area_table->knots, sizeof p->area_table->knots);
     }
+    if (picture->lightmap != NULL) {
+        hash = air_with_lightmap_fingerprint(picture->lightmap, hash);
+    }
     return air_fingerprint_add(hash, p->methods, strlen(p->methods));
 }
 
@@ -37,7 +40,8 @@ static void add_light_slot(air_picture *picture, const char *name, air_slot_kind
 static air_slot_kind term_slot(const air_picture *picture, uint32_t term)
 {
     const bool smooth = air_with_arealight_is_ratio(picture->arealight);
-    if (smooth && (term == AIR_TERM_S0 || term == AIR_TERM_M1)) {
+    const bool baked = (air_lightmap_terms(picture->params->lightmap) >> term & 1u) != 0;
+    if (smooth && !baked && (term == AIR_TERM_S0 || term == AIR_TERM_M1)) {
         return AIR_SLOT_SHARE;
     }
     return term == AIR_TERM_M1 && air_with_collimated_is_ratio(picture->collimated) ? AIR_SLOT_RATIO
@@ -169,6 +173,7 @@ air_status air_picture_init(air_picture *picture, air_context *context,
     air_sobol_init(&picture->sobol);
     air_camera_view_init(&snapshot->cameras[air_snapshot_camera(snapshot, params->camera)],
                          params->width, params->height, &picture->view);
+    const uint32_t traced = params->terms & ~air_lightmap_terms(params->lightmap);
     air_status status = make_owners(picture);
     if (status == AIR_OK && params->filter == AIR_FILTER_GAUSSIAN) {
         status = make_gaussian(picture);
@@ -185,18 +190,22 @@ air_status air_picture_init(air_picture *picture, air_context *context,
     }
     const air_path_settings settings = {.max_depth = params->max_depth,
                                         .wanted = picture->wanted,
-                                        .terms = params->terms,
+                                        .terms = traced,
                                         .guides = params->guides,
                                         .vertex_hook = params->vertex_hook,
                                         .vertex_hook_user = params->vertex_hook_user};
     status = air_path_init(&picture->path, snapshot, &picture->sobol, &settings);
     if (status == AIR_OK) {
-        status = air_with_collimated_create(&picture->path, picture->owners, &picture->view,
-                                            params->terms, &picture->collimated);
+        status = air_with_collimated_create(&picture->path, picture->owners, &picture->view, traced,
+                                            &picture->collimated);
     }
     if (status == AIR_OK) {
-        status =
-            air_with_arealight_create(&picture->path, picture->owners, params, &picture->arealight);
+        status = air_with_arealight_create(&picture->path, picture->owners, params, traced,
+                                           &picture->arealight);
+    }
+    if (status == AIR_OK) {
+        status = air_with_lightmap_create(&picture->path, params->lightmap, params->terms,
+                                          &picture->lightmap);
     }
     make_layout(picture);
     return status;
@@ -204,6 +213,7 @@ air_status air_picture_init(air_picture *picture, air_context *context,
 
 void air_picture_finish(air_picture *picture)
 {
+    air_with_lightmap_destroy(picture->lightmap);
     air_with_arealight_destroy(picture->arealight);
     air_with_collimated_destroy(picture->collimated);
     air_path_finish(&picture->path);

@@ -134,12 +134,12 @@ static bool some_light_is_owned(const air_owner_table *owners)
 }
 
 air_status air_with_arealight_create(const air_path *path, const air_owner_table *owners,
-                                     const air_render_params *params, air_with_arealight **out)
+                                     const air_render_params *params, uint32_t terms,
+                                     air_with_arealight **out)
 {
     air_context *context = path->snapshot->context;
     *out = NULL;
-    if (!some_light_is_owned(owners) ||
-        (params->terms & (1u << AIR_TERM_S0 | 1u << AIR_TERM_M1)) == 0) {
+    if (!some_light_is_owned(owners) || (terms & (1u << AIR_TERM_S0 | 1u << AIR_TERM_M1)) == 0) {
         return AIR_OK;
     }
     air_with_arealight *with = air_allocate(context, 1, sizeof *with);
@@ -150,8 +150,8 @@ air_status air_with_arealight_create(const air_path *path, const air_owner_table
     with->path = path;
     with->snapshot = path->snapshot;
     with->params = params;
-    with->surfaces = (params->terms >> AIR_TERM_S0 & 1u) != 0;
-    with->volume = (params->terms >> AIR_TERM_M1 & 1u) != 0;
+    with->surfaces = (terms >> AIR_TERM_S0 & 1u) != 0;
+    with->volume = (terms >> AIR_TERM_M1 & 1u) != 0;
     with->convex = media_are_convex(&with->snapshot->media);
     air_status status = make_phases(with);
     status = status == AIR_OK ? air_area_lamps_make(with, owners) : status;

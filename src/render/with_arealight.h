@@ -19,10 +19,12 @@ typedef enum air_area_mode {
 typedef struct air_with_arealight air_with_arealight;
 typedef struct air_area_scratch air_area_scratch; /* one per worker */
 
-/* Gets ready what the table gives to the method; *out is NULL where that is nothing. The path, its
- * snapshot, the table and the parameters must outlive it. */
+/* Gets ready what the table gives to the method; *out is NULL where that is nothing. terms: those
+ * of the parameters that are to be computed. The path, its snapshot, the table and the parameters
+ * must outlive it. */
 air_status air_with_arealight_create(const air_path *path, const struct air_owner_table *owners,
-                                     const air_render_params *params, air_with_arealight **out);
+                                     const air_render_params *params, uint32_t terms,
+                                     air_with_arealight **out);
 void air_with_arealight_destroy(air_with_arealight *with); /* NULL is legal */
 
 /* Are visible shares estimated, three sums each for surfaces and for the volume? */

@@ -229,6 +229,20 @@ air_vec3 air_bsdf_eval_parts(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi, air
     return eval_with(bsdf, smooth, local_o, local_i);
 }
 
+air_vec3 air_bsdf_albedo(const air_bsdf *bsdf, air_vec3 wo)
+{
+    if (!above(bsdf, wo)) {
+        return vec3_set1(0.0f);
+    }
+    if (bsdf->f90 == 0.0f) {
+        return bsdf->diffuse;
+    }
+    const float cos_o = clamp01(vec3_dot(wo, bsdf->frame.n));
+    const air_ggx_albedo table = air_ggx_albedo_at(cos_o, bsdf->alpha, bsdf->alpha_axis);
+    return vec3_add(specular_albedo(bsdf, table),
+                    vec3_mul(bsdf->diffuse, left_to_base(bsdf, table)));
+}
+
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
 {
     if (!above(bsdf, wo) || !above(bsdf, wi)) {

@@ -47,6 +47,10 @@ air_vec3 air_bsdf_eval(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
 air_vec3 air_bsdf_eval_smooth(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
 /* Both, for little more than the first. */
 air_vec3 air_bsdf_eval_parts(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi, air_vec3 *out_smooth);
+/* The directional-hemispherical reflectance: the integral of f cos over all wi, where the shading
+ * normal is the geometric one. Exact for Lambert, else as good as the albedo tables: at most 0.0025
+ * too dark or bright. wo must be above the surface; 0 if it is not. */
+air_vec3 air_bsdf_albedo(const air_bsdf *bsdf, air_vec3 wo);
 /* Density of air_bsdf_sample per solid angle. */
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
 /* u: three numbers in [0,1). Returns false if nothing is reflected; *out_weight = f cos / pdf. */
