@@ -109,15 +109,23 @@ static cli_exit save(bake_run *run)
     air_context *const context = host->context;
     const air_lightmap *const lightmap = run->lightmap;
     air_lightmap_save_params params;
+    air_lightmap_gltf_params show;
     air_lightmap_save_params_default(&params);
+    air_lightmap_gltf_params_default(&show);
+    show.show = options->gltf_show.set ? (air_lightmap_show)options->gltf_show.value : show.show;
     params.half = !options->full;
     host->finishing = true;
     cli_exit result = cli_host_exit(
         host, air_lightmap_save(context, lightmap, run->folder, &params), run->folder);
     if (result == CLI_OK && options->gltf != NULL) {
         result = cli_host_exit(
-            host, air_lightmap_save_gltf(context, lightmap, run->scene_path, options->gltf, NULL),
+            host, air_lightmap_save_gltf(context, lightmap, run->scene_path, options->gltf, &show),
             options->gltf);
+    }
+    if (result == CLI_OK && options->godot != NULL) {
+        result = cli_host_exit(
+            host, air_lightmap_save_godot(context, lightmap, run->scene_path, options->godot, NULL),
+            options->godot);
     }
     if (result == CLI_OK && options->bevy != NULL) {
         result = cli_host_exit(host, air_lightmap_save_bevy(context, lightmap, options->bevy),

@@ -8,6 +8,7 @@ static const char *const media_names[] = {"none",  "attenuate", "impulse",
                                           "exact", "reference", NULL};
 static const char *const quality_names[] = {"draft", "medium", "high", NULL};
 static const uint32_t quality_samples[] = {32, 256, 1024};
+static const char *const show_names[] = {"emissive", "lightmap", "coordinates", NULL};
 static const char *const uv_names[] = {"auto", "file", "unwrap", NULL};
 enum { TARGET_LIGHTMAP, TARGET_VERTICES };
 static const char *const target_names[] = {"lightmap", "vertices", NULL};
@@ -171,6 +172,14 @@ static const cli_option file_options[] = {
      .value = "FILE",
      .offset = offsetof(cli_bake_options, gltf),
      .help = "Also a copy of the scene that shows the light, .glb or .gltf."},
+    {.name = "gltf-show",
+     .kind = CLI_CHOICE,
+     .value = "HOW",
+     .choices = show_names,
+     .offset = offsetof(cli_bake_options, gltf_show),
+     .help =
+         "How that copy shows it: emissive (every viewer), lightmap (MOZ_lightmap), coordinates "
+         "(TEXCOORD_1 only, for engines); default emissive."},
     {.name = "godot",
      .kind = CLI_TEXT,
      .value = "DIR",

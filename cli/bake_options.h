@@ -16,6 +16,7 @@ typedef struct cli_bake_options {
     bool directional, no_denoise, no_stitch, full, no_resume;
     cli_list probes;
     const char *gltf, *godot, *bevy, *rgbm;
+    cli_count gltf_show;
     cli_real rgbm_range;
 } cli_bake_options;
 

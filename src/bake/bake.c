@@ -44,7 +44,8 @@ typedef struct baking {
     const air_bake_params *params;
     air_bake_progress *progress;
     air_bake_layout *layout;
-    air_texel_sites *texels; /* one per page */
+    air_texel_sites *texels;     /* one per page */
+    air_finished_page *finished; /* likewise */
     air_light_cache *cache;
     air_responder *responder;
     air_sobol *sobol;
@@ -251,19 +252,17 @@ static air_status bake_page(baking *b, size_t page)
                           .user = &b->texels[page],
                           .coefficients =
                               b->params->directional ? AIR_DIRECTIONAL_COEFFICIENTS : 0};
-    size_t invalid = 0;
     double start = air_clock(b->context);
     air_status status = run(b, &list, 0x10000u + (uint32_t)page);
     b->report.sample_s += air_clock(b->context) - start;
     b->report.page_bytes += list.count * air_site_stride(&list) * sizeof(float);
     start = air_clock(b->context);
     if (status == AIR_OK) {
-        status = air_bake_finish(b->context, b->params, &b->texels[page], &list,
-                                 &b->lightmap->pages[page], &invalid);
-        b->lightmap->page_count += status == AIR_OK;
+        status =
+            air_finish_page(b->context, b->params, &b->texels[page], &list, &b->finished[page]);
     }
     b->report.finish_s += air_clock(b->context) - start;
-    b->report.invalid_texels += invalid;
+    b->report.invalid_texels += b->finished[page].invalid;
     air_free(b->context, list.records);
     return status;
 }
@@ -273,9 +272,21 @@ static air_status bake_pages(baking *b)
     air_lightmap *lightmap = b->lightmap;
     lightmap->directional = b->params->directional;
     lightmap->pages = air_allocate(b->context, b->layout->page_count, sizeof *lightmap->pages);
-    air_status status = lightmap->pages == NULL ? air_fail_memory(b->context, "pages") : AIR_OK;
+    b->finished = air_allocate(b->context, b->layout->page_count, sizeof *b->finished);
+    air_status status = lightmap->pages == NULL || b->finished == NULL
+                            ? air_fail_memory(b->context, "pages")
+                            : AIR_OK;
     for (size_t p = 0; p < b->layout->page_count && status == AIR_OK; p++) {
         status = bake_page(b, p);
+    }
+    if (status == AIR_OK && b->params->stitch) {
+        const double start = air_clock(b->context);
+        status = air_finish_seams(b->context, b->layout, b->finished);
+        b->report.finish_s += air_clock(b->context) - start;
+    }
+    for (size_t p = 0; p < b->layout->page_count && status == AIR_OK; p++) {
+        lightmap->pages[lightmap->page_count++] = b->finished[p].image;
+        b->finished[p].image = NULL;
     }
     if (status == AIR_OK) {
         /* the meshes' places are the lightmap's from here on */
@@ -458,10 +469,16 @@ static void finish(baking *b, bool complete)
     }
     air_light_cache_destroy(b->cache);
     air_responder_destroy(b->responder);
-    for (size_t p = 0; b->texels != NULL && p < b->layout->page_count; p++) {
-        air_texel_sites_finish(b->context, &b->texels[p]);
+    for (size_t p = 0; b->layout != NULL && p < b->layout->page_count; p++) {
+        if (b->texels != NULL) {
+            air_texel_sites_finish(b->context, &b->texels[p]);
+        }
+        if (b->finished != NULL) {
+            air_finished_page_destroy(b->context, &b->finished[p]);
+        }
     }
     air_free(b->context, b->texels);
+    air_free(b->context, b->finished);
     air_bake_layout_destroy(b->layout);
     air_free(b->context, b->sobol);
 }
