@@ -167,6 +167,7 @@ bool air_gain_is_buried(const air_snapshot *snapshot, const air_path_lane *lane)
     }
     const air_mesh *mesh = snapshot->meshes[lane->hit.mesh];
     const float along = vec3_dot(vec3_load(lane->hit.normal), lane->dir);
-    return !snapshot->materials[mesh->material].double_sided &&
+    const air_material *material = &snapshot->materials[mesh->material];
+    return !material->double_sided && material->alpha_mode == AIR_ALPHA_OPAQUE &&
            (mesh->flip ? along < 0.0f : along > 0.0f);
 }
