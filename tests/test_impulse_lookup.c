@@ -269,6 +269,31 @@ static void receivers_integrate_radiance(void **state)
                      air_impulse_mirrored_receive(ORDER, as_sh, lobe, 0.64, 0.3)) < 1e-12);
 }
 
+/* The short way to irradiances is the long one. */
+static void irradiance_is_the_cosine_of_the_coefficients(void **state)
+{
+    const air_impulse_medium medium = {.sigma_s = 0.4, .sigma_t = 0.5, .g = -0.3, .bounces = 10};
+    air_rng rng = air_rng_from_keys(6, 6);
+    double c[AIR_IMPULSE_SH_COUNT], lobe[ORDER];
+    (void)state;
+    air_impulse_lobe_cosine(ORDER, 1.0, lobe);
+    for (int i = 0; i < 600; i++) {
+        const air_impulse_place place = shared_place(&rng);
+        const air_impulse_emitter emitter = (air_impulse_emitter)(i % 3);
+        double e;
+        if (emitter == AIR_IMPULSE_AREA) {
+            const int order =
+                air_impulse_mirrored(shared.tables, &medium, 1, 10, place.distance, place.cos_s, c);
+            e = air_impulse_mirrored_receive(order, c, lobe, place.n_l, place.n_x);
+        } else {
+            air_impulse_zonal(shared.tables, emitter, &medium, 1, 10, place.distance, c);
+            e = air_impulse_zonal_receive(ORDER, c, lobe, place.n_l);
+        }
+        const double found = air_impulse_irradiance(shared.tables, emitter, &medium, &place);
+        assert_true(fabs(found - double_max(0.0, e)) <= 1e-12 * fabs(c[0]));
+    }
+}
+
 static void places_come_from_points(void **state)
 {
     const double x[3] = {1.0, 2.0, 3.0}, n[3] = {0.0, 1.0, 0.0};
@@ -294,6 +319,7 @@ int main(void)
         cmocka_unit_test(a_wall_lights_the_floor_through_fog),
         cmocka_unit_test(a_floor_lights_itself),
         cmocka_unit_test(receivers_integrate_radiance),
+        cmocka_unit_test(irradiance_is_the_cosine_of_the_coefficients),
         cmocka_unit_test(places_come_from_points),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -3,6 +3,7 @@
 
 #include "core/vec.h"
 #include "impulse/lookup.h"
+#include "impulse/polynomial.h"
 
 /* ---- which bounces, of which medium ---- */
 
@@ -43,14 +44,16 @@ double impulse_sum_excess(const impulse_sum *sum, const air_impulse_medium *medi
                      (emitter == AIR_IMPULSE_AREA ? double_max(0.0, cos_s) : 1.0);
 }
 
-/* What turns a table's entry at tau into the response of k events. */
-static double unscale(double sigma_t, double albedo, double tau, int k, air_impulse_emitter emitter)
+/* What turns a table's entry at tau into the response of one event, or, times albedo^k, of k. */
+static double unscale(double sigma_t, double tau, air_impulse_emitter emitter)
 {
-    const double power = pow(albedo, k) * exp(-tau);
-    if (emitter == AIR_IMPULSE_DIRECTIONAL) {
-        return power;
-    }
-    return power * sigma_t * sigma_t / (k == 1 ? tau : 1.0);
+    return exp(-tau) * (emitter == AIR_IMPULSE_DIRECTIONAL ? 1.0 : sigma_t * sigma_t);
+}
+
+static double unscale_single(const impulse_sum *sum, double tau, air_impulse_emitter emitter)
+{
+    return sum->albedo * unscale(sum->sigma_t, tau, emitter) /
+           (emitter == AIR_IMPULSE_DIRECTIONAL ? 1.0 : tau);
 }
 
 static double held(double tau) { return tau > 0.0 ? tau : 1e-30; }
@@ -93,8 +96,7 @@ void air_impulse_zonal(const air_impulse_tables *tables, air_impulse_emitter emi
         out_zh[l] *= excess;
     }
     if (sum.first == 1 && sum.last >= 1 && tau <= IMPULSE_TAU_GREATEST) {
-        zonal_single(tables, emitter, sum.g, tau, unscale(sum.sigma_t, sum.albedo, tau, 1, emitter),
-                     out_zh);
+        zonal_single(tables, emitter, sum.g, tau, unscale_single(&sum, tau, emitter), out_zh);
     }
     if (!(reduced <= IMPULSE_TAU_GREATEST) || sum.last < 2) {
         return;
@@ -102,10 +104,11 @@ void air_impulse_zonal(const air_impulse_tables *tables, air_impulse_emitter emi
     const impulse_between bin = impulse_find_bin(tables->params.bins, reduced);
     const float *const table =
         emitter == AIR_IMPULSE_POINT ? tables->point_multiple : tables->directional_multiple;
-    for (int k = sum.first > 2 ? sum.first : 2; k <= sum.last; k++) {
+    const int start = sum.first > 2 ? sum.first : 2;
+    double scale = unscale(sum.reduced_sigma_t, reduced, emitter) * pow(sum.reduced_albedo, start);
+    for (int k = start; k <= sum.last; k++, scale *= sum.reduced_albedo) {
         const float *const at = table + (bin.lower * more + (size_t)(k - 2)) * ZONAL_STRIDE;
-        add_zonal(at, at + more * ZONAL_STRIDE, bin.share,
-                  unscale(sum.reduced_sigma_t, sum.reduced_albedo, reduced, k, emitter), out_zh);
+        add_zonal(at, at + more * ZONAL_STRIDE, bin.share, scale, out_zh);
     }
 }
 
@@ -181,19 +184,20 @@ int air_impulse_mirrored(const air_impulse_tables *tables, const air_impulse_med
     }
     if (sum.first == 1 && sum.last >= 1 && tau <= IMPULSE_TAU_GREATEST) {
         area_single(tables, sum.g, impulse_find_bin(p->bins, tau), angle,
-                    unscale(sum.sigma_t, sum.albedo, tau, 1, AIR_IMPULSE_AREA), out_sh);
+                    unscale_single(&sum, tau, AIR_IMPULSE_AREA), out_sh);
     }
     if (!(reduced <= IMPULSE_TAU_GREATEST)) {
         return order;
     }
     const impulse_between bin = impulse_find_bin(p->bins, reduced);
-    for (int k = sum.first > 2 ? sum.first : 2; k <= sum.last; k++) {
+    const int start = sum.first > 2 ? sum.first : 2;
+    double scale =
+        unscale(sum.reduced_sigma_t, reduced, AIR_IMPULSE_AREA) * pow(sum.reduced_albedo, start);
+    for (int k = start; k <= sum.last; k++, scale *= sum.reduced_albedo) {
         double entry[MULTIPLE_COUNT];
         blend(tables->area_multiple + (bin.lower * tables->angles + angle.lower) * step +
                   (size_t)(k - 2) * AREA_MULTIPLE_STRIDE,
               tables->angles * step, step, bin.share, angle.share, MULTIPLE_COUNT, entry);
-        const double scale =
-            unscale(sum.reduced_sigma_t, sum.reduced_albedo, reduced, k, AIR_IMPULSE_AREA);
         for (int c = 0; c < MULTIPLE_COUNT; c++) {
             out_sh[c] += scale * entry[c];
         }
@@ -207,18 +211,29 @@ int air_impulse_mirrored(const air_impulse_tables *tables, const air_impulse_med
 double air_impulse_irradiance(const air_impulse_tables *tables, air_impulse_emitter emitter,
                               const air_impulse_medium *medium, const air_impulse_place *place)
 {
-    double coefficients[AIR_IMPULSE_SH_COUNT], lobe[AIR_IMPULSE_ORDER], e;
+    /* A_l of max(0, cos): what air_zh_clamped_cosine gives */
+    static const double lobe[AIR_IMPULSE_ORDER] = {0.88622692545275801,   1.0233267079464885,
+                                                   0.49541591220075137,   0.0,
+                                                   -0.11077836568159474,  0.0,
+                                                   0.049927134709636271,  0.0,
+                                                   -0.028546931421157107, 0.0,
+                                                   0.018508081889040854};
+    double coefficients[AIR_IMPULSE_SH_COUNT], powers[AREA_POWERS], e;
     air_impulse_medium plain = *medium;
     const impulse_sum sum = impulse_sum_of(&tables->params, medium, 1, medium->bounces);
     if (sum.residual) {
         plain = (air_impulse_medium){
             .sigma_s = sum.albedo * sum.sigma_t, .sigma_t = sum.sigma_t, .bounces = sum.last};
     }
-    air_zh_clamped_cosine(AIR_IMPULSE_ORDER, lobe);
     if (emitter == AIR_IMPULSE_AREA) {
         const int order = air_impulse_mirrored(tables, &plain, 1, plain.bounces, place->distance,
                                                place->cos_s, coefficients);
-        e = air_impulse_mirrored_receive(order, coefficients, lobe, place->n_l, place->n_x);
+        if (order > 5) {
+            e = air_impulse_mirrored_receive(order, coefficients, lobe, place->n_l, place->n_x);
+        } else {
+            impulse_area_polynomial(coefficients, powers);
+            e = impulse_area_polynomial_at(powers, place->n_l, place->n_x);
+        }
     } else {
         air_impulse_zonal(tables, emitter, &plain, 1, plain.bounces, place->distance, coefficients);
         e = air_impulse_zonal_receive(AIR_IMPULSE_ORDER, coefficients, lobe, place->n_l);

@@ -12,12 +12,8 @@
 
 #include "core/exponential.h"
 #include "core/vec.h"
+#include "impulse/polynomial.h"
 #include "impulse/tables.h"
-
-enum {
-    ZONAL_POWERS = 8, /* 1, z, z^2, z^4, z^6, z^8, z^10, none */
-    AREA_POWERS = 12  /* 1, z, x, z^2, xz, x^2, z^4, xz^3, x^2 z^2, x^3 z, x^4, none */
-};
 
 typedef struct response_channel {
     float sigma;          /* 0: nothing is scattered */

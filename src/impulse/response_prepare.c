@@ -6,57 +6,10 @@
 #include "impulse/lookup.h"
 #include "impulse/rest.h"
 
-/* ---- preparing ---- */
-
-/* The sum of A_l c_l P_l(z) in powers of z. */
-static void zonal_entry(const double *zh, double scale, float *out)
+static void store(const double *from, size_t count, double scale, float *out)
 {
-    double power[AIR_IMPULSE_ORDER][AIR_IMPULSE_ORDER] = {{1.0}, {0.0, 1.0}};
-    double lobe[AIR_IMPULSE_ORDER], sum[AIR_IMPULSE_ORDER] = {0.0};
-    air_zh_clamped_cosine(AIR_IMPULSE_ORDER, lobe);
-    for (int l = 0; l < AIR_IMPULSE_ORDER; l++) {
-        for (int n = 0; n <= l; n++) {
-            if (l > 1) {
-                const double up = n > 0 ? power[l - 1][n - 1] : 0.0;
-                power[l][n] = ((2 * l - 1) * up - (l - 1) * power[l - 2][n]) / l;
-            }
-            sum[n] += scale * lobe[l] * zh[l] * power[l][n];
-        }
-    }
-    for (int i = 0; i < CLAMPED_BANDS; i++) {
-        out[i] = (float)sum[clamped_band(i)];
-    }
-}
-
-/* The sum of n_l A_l c_lm y_lm, bands 0..4, in powers of z and x, with y^2 = 1 - x^2 - z^2. */
-static void area_entry(const double *sh, double scale, float *out)
-{
-    double lobe[5], c[15], e[AREA_POWERS] = {0.0};
-    air_zh_clamped_cosine(5, lobe);
-    for (int l = 0; l < 5; l++) {
-        for (int m = 0; m <= l; m++) {
-            c[l * (l + 1) / 2 + m] = scale * air_zh_scale(l) * lobe[l] * sh[l * (l + 1) / 2 + m];
-        }
-    }
-    const double k1 = sqrt(3.0 / (4.0 * AIR_PI)), k20 = sqrt(5.0 / (16.0 * AIR_PI));
-    const double k21 = sqrt(15.0 / (4.0 * AIR_PI)), k40 = 3.0 / 16.0 / sqrt(AIR_PI);
-    const double k41 = 0.75 * sqrt(2.5 / AIR_PI), k42 = 0.375 * sqrt(5.0 / AIR_PI);
-    const double k43 = 0.75 * sqrt(17.5 / AIR_PI), k44 = 3.0 / 16.0 * sqrt(35.0 / AIR_PI);
-    const double c22 = 0.5 * k21 * c[5], c40 = k40 * c[10], c41 = k41 * c[11], c42 = k42 * c[12];
-    const double c43 = k43 * c[13], c44 = k44 * c[14];
-    e[0] = c[0] / sqrt(4.0 * AIR_PI) - k20 * c[3] - c22 + 3.0 * c40 + c42 + c44;
-    e[1] = k1 * c[1];
-    e[2] = k1 * c[2];
-    e[3] = 3.0 * k20 * c[3] + c22 - 30.0 * c40 - 8.0 * c42 - 2.0 * c44;
-    e[4] = k21 * c[4] - 3.0 * c41 - 3.0 * c43;
-    e[5] = 2.0 * c22 - 2.0 * c42 - 8.0 * c44;
-    e[6] = 35.0 * c40 + 7.0 * c42 + c44;
-    e[7] = 7.0 * c41 + 3.0 * c43;
-    e[8] = 14.0 * c42 + 8.0 * c44;
-    e[9] = 4.0 * c43;
-    e[10] = 8.0 * c44;
-    for (int i = 0; i < AREA_POWERS; i++) {
-        out[i] = (float)e[i];
+    for (size_t i = 0; i < count; i++) {
+        out[i] = (float)(scale * from[i]);
     }
 }
 
@@ -72,20 +25,21 @@ typedef struct preparing {
 static void prepare_zonal(const preparing *self, size_t bin, double distance, double scale)
 {
     const double sigma = self->rest_sigma_t;
-    double zh[AIR_IMPULSE_ORDER];
+    double zh[AIR_IMPULSE_ORDER], powers[ZONAL_POWERS];
     air_impulse_zonal(self->tables, self->response->emitter, &self->medium, 1, self->medium.bounces,
                       distance, zh);
     if (self->rest != NULL) {
         impulse_rest_add_zonal(self->rest, sigma * distance, sigma * sigma, zh);
     }
-    zonal_entry(zh, scale, self->channel->entries + bin * ZONAL_POWERS);
+    impulse_zonal_polynomial(zh, powers);
+    store(powers, ZONAL_POWERS, scale, self->channel->entries + bin * ZONAL_POWERS);
 }
 
 static void prepare_area(const preparing *self, size_t bin, double distance, double scale)
 {
     const air_impulse_response *const r = self->response;
     const double sigma = self->rest_sigma_t;
-    double sh[AIR_IMPULSE_SH_COUNT], theta_s[TABLES_ANGLES_MAX];
+    double sh[AIR_IMPULSE_SH_COUNT], theta_s[TABLES_ANGLES_MAX], powers[AREA_POWERS];
     double rest[TABLES_ANGLES_MAX * MULTIPLE_COUNT] = {0.0};
     for (size_t angle = 0; angle < r->angles; angle++) {
         theta_s[angle] = impulse_angle(r->angles, angle);
@@ -100,7 +54,9 @@ static void prepare_area(const preparing *self, size_t bin, double distance, dou
         for (size_t c = 0; c < MULTIPLE_COUNT; c++) {
             sh[c] += rest[angle * MULTIPLE_COUNT + c];
         }
-        area_entry(sh, scale, self->channel->entries + (angle * r->bins + bin) * AREA_POWERS);
+        impulse_area_polynomial(sh, powers);
+        store(powers, AREA_POWERS, scale,
+              self->channel->entries + (angle * r->bins + bin) * AREA_POWERS);
     }
 }
 
