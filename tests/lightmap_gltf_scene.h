@@ -4,7 +4,10 @@
 #ifndef AIR_TESTS_LIGHTMAP_GLTF_SCENE_H
 #define AIR_TESTS_LIGHTMAP_GLTF_SCENE_H
 
+#include <jansson.h>
+
 #include "lightmap_fixture.h"
+#include "scene/snapshot.h"
 
 enum { SCENE_BINARY = 240 };
 
@@ -124,6 +127,80 @@ static inline air_lightmap *scene_lightmap(lightmap_fixture *self, size_t channe
     lightmap_cut(self, &lightmap->meshes[1], 6, scene_cut_sources, scene_cut_uv, 2,
                  scene_cut_indices);
     return lightmap;
+}
+
+/* ---- copies, loaded again ---- */
+
+static inline void scene_save(lightmap_fixture *self, const air_lightmap *lightmap,
+                              const char *name, const air_lightmap_gltf_params *params)
+{
+    char scene[LIGHTMAP_PATH];
+    (void)snprintf(scene, sizeof scene, "%s/room.gltf", self->folder);
+    if (air_lightmap_save_gltf(self->context, lightmap, scene, lightmap_path(self, name), params) !=
+        AIR_OK) {
+        fail_msg("%s", air_context_last_error(self->context));
+    }
+}
+
+typedef struct scene_loaded {
+    air_scene *scene;
+    air_snapshot *snapshot;
+} scene_loaded;
+
+static inline scene_loaded scene_load(lightmap_fixture *self, const char *name)
+{
+    scene_loaded result = {0};
+    air_load_params params;
+    air_load_params_default(&params);
+    if (air_scene_load(self->context, lightmap_path(self, name), &params, &result.scene) !=
+            AIR_OK ||
+        air_scene_commit(result.scene, &result.snapshot, NULL) != AIR_OK) {
+        fail_msg("%s", air_context_last_error(self->context));
+    }
+    return result;
+}
+
+static inline void scene_unload(scene_loaded *self)
+{
+    air_snapshot_release(self->snapshot);
+    air_scene_destroy(self->scene);
+}
+
+/* The JSON of a .gltf or .glb. */
+static inline json_t *scene_read_json(lightmap_fixture *self, const char *name)
+{
+    json_error_t error;
+    size_t size;
+    char *data = lightmap_read(self, name, &size);
+    uint32_t length = 0;
+    const bool binary = memcmp(data, "glTF", 4) == 0;
+    if (binary) {
+        memcpy(&length, data + 8, 4);
+        assert_int_equal(length, size);
+        memcpy(&length, data + 12, 4);
+    }
+    json_t *json = json_loadb(binary ? data + 20 : data, binary ? length : size, 0, &error);
+    assert_non_null(json);
+    free(data);
+    return json;
+}
+
+static inline const air_mesh *scene_find_mesh(const scene_loaded *self, const char *name)
+{
+    for (size_t i = 0; i < self->snapshot->mesh_count; i++) {
+        if (strcmp(self->snapshot->meshes[i]->name, name) == 0) {
+            return self->snapshot->meshes[i];
+        }
+    }
+    fail_msg("no mesh is called %s", name);
+    return NULL;
+}
+
+static inline json_t *scene_item(json_t *root, const char *list, size_t index)
+{
+    json_t *value = json_array_get(json_object_get(root, list), index);
+    assert_non_null(value);
+    return value;
 }
 
 #endif

@@ -282,6 +282,11 @@ static void what_is_no_lightmap_is_not_saved(void **state)
     lightmap->meshes[0].node = -1;
     refuse_save(self, lightmap, "mesh 0 has node -1 and primitive 0");
     lightmap->meshes[0].node = 4;
+    lightmap->meshes[0].node = 2;
+    lightmap->meshes[0].primitive = 3;
+    refuse_save(self, lightmap, "mesh 1 is primitive 3 of node 2, as one before it");
+    lightmap->meshes[0].node = 4;
+    lightmap->meshes[0].primitive = 0;
     lightmap->meshes[1].indices[4] = 5;
     refuse_save(self, lightmap, "mesh 1: index 4 is 5, but it is cut to 5 vertices");
     lightmap->meshes[1].indices[4] = 4;

@@ -6,7 +6,11 @@
  *
  * Units: pages and vertices hold irradiance, W/m^2 of each channel, of the side the vertex normals
  * point to; probes hold the incident radiance, W/(m^2 sr), as coefficients of real spherical
- * harmonics without Condon-Shortley phase, index l^2 + l + m. All numbers are linear Rec. 709. */
+ * harmonics without Condon-Shortley phase, index l^2 + l + m. All numbers are linear Rec. 709.
+ *
+ * A lightmap may be read from several threads at once, edited from one. Functions that write return
+ * AIR_ERROR_ARGUMENT for one that is not what is said here (the message names what is wrong), and
+ * AIR_ERROR_IO where a file cannot be written; then no file under a final name has changed. */
 #ifndef AIRLIGHT_LIGHTMAP_H
 #define AIRLIGHT_LIGHTMAP_H
 
@@ -93,7 +97,8 @@ AIR_API air_status air_lightmap_create(air_context *context, air_lightmap **out_
 /* Frees all that it points to, and itself. NULL is legal. */
 AIR_API void air_lightmap_destroy(air_lightmap *lightmap);
 
-/* ---- files: a folder with lightmap.json, page-0.exr ..., vertices-0.exr ..., probes.json ---- */
+/* ---- files: a folder with lightmap.json, page-0.exr ..., cuts.bin, vertices-0.exr ...,
+ * probes.json: docs/lightmap-format.md ---- */
 
 typedef struct air_lightmap_save_params {
     bool half; /* pages in 16-bit floats; default true */
@@ -104,6 +109,9 @@ AIR_API void air_lightmap_save_params_default(air_lightmap_save_params *params);
  * that has it is whole; files of an earlier bake in the same folder are replaced. */
 AIR_API air_status air_lightmap_save(air_context *context, const air_lightmap *lightmap,
                                      const char *folder, const air_lightmap_save_params *params);
+/* Reads such a folder through the context's reader. AIR_ERROR_IO: a file is missing;
+ * AIR_ERROR_FORMAT: anything is not as docs/lightmap-format.md says; the message names file and
+ * place. On failure *out_lightmap is NULL. */
 AIR_API air_status air_lightmap_load(air_context *context, const char *folder,
                                      air_lightmap **out_lightmap);
 

@@ -121,6 +121,19 @@ static air_status check_cut(const check *self, const air_lightmap_mesh *mesh, si
     return check_finite(self, "mesh", index, "uv", mesh->uv, 2 * mesh->vertex_count);
 }
 
+/* Does an earlier mesh name the same primitive of the same node? */
+static bool named_before(const air_lightmap *lightmap, size_t index)
+{
+    const air_lightmap_mesh *mesh = &lightmap->meshes[index];
+    for (size_t i = 0; i < index && mesh->node >= 0; i++) {
+        if (lightmap->meshes[i].node == mesh->node &&
+            lightmap->meshes[i].primitive == mesh->primitive) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static air_status check_mesh(const check *self, const air_lightmap *lightmap, size_t index)
 {
     const air_lightmap_mesh *mesh = &lightmap->meshes[index];
@@ -130,6 +143,11 @@ static air_status check_mesh(const check *self, const air_lightmap *lightmap, si
                         (long)mesh->page, lightmap->page_count);
     }
     air_status status = check_place(self, "mesh", index, mesh->node, mesh->primitive);
+    if (status == AIR_OK && named_before(lightmap, index)) {
+        status = air_fail(self->context, self->status,
+                          "%s: mesh %zu is primitive %ld of node %ld, as one before it", self->file,
+                          index, (long)mesh->primitive, (long)mesh->node);
+    }
     if (status == AIR_OK) {
         status = check_finite(self, "mesh", index, "scale", mesh->scale, 2);
     }
