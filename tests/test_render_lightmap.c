@@ -302,6 +302,66 @@ static void other_terms_do_not_know_of_it(void **state)
     air_context_destroy(context);
 }
 
+static void add_sun_and_panel(air_scene *scene)
+{
+    static const float panel[12] = {-0.5f, -0.5f, 0.7f, 0,     -0.5f, 0.7f,
+                                    0,     0.5f,  0.7f, -0.5f, 0.5f,  0.7f};
+    air_light_desc light;
+    air_handle handle;
+    air_light_desc_default(&light);
+    light.name = "sun";
+    light.kind = AIR_LIGHT_COLLIMATED;
+    light.color[0] = 2.0f;
+    light.dir[0] = 0.6f;
+    light.dir[1] = 0.0f;
+    light.dir[2] = -0.8f;
+    assert_int_equal(air_scene_add_light(scene, &light, &handle), AIR_OK);
+    air_light_desc_default(&light);
+    light.name = "panel";
+    light.kind = AIR_LIGHT_POLYGON;
+    light.color[0] = 3.0f;
+    light.vertices = panel;
+    light.vertex_count = 4;
+    light.one_sided = false;
+    assert_int_equal(air_scene_add_light(scene, &light, &handle), AIR_OK);
+}
+
+/* Methods that own S0 and M1 of their lights keep M1 and leave S0 to the lightmap. */
+static void other_methods_leave_surfaces_to_it(void **state)
+{
+    (void)state;
+    static const char *const methods[] = {"collimated", "collimated:reds", "arealight"};
+    air_context *context = fixture_context();
+    air_scene *scene = fixture_scene(context);
+    const air_material_desc white = view_lambert(1.0f, 1.0f, 1.0f);
+    view_add_square(scene, "square", view_add_material(scene, &white));
+    add_sun_and_panel(scene);
+    view_add_haze(scene, 0.75f, 0.5f, 0.5f);
+    view_add_camera(scene, 1.0f);
+    air_snapshot *snapshot = fixture_commit(scene, NULL);
+    air_scene_destroy(scene);
+    air_lightmap *lightmap = view_lightmap(context, one_square, 1, even_page(context));
+    for (size_t k = 0; k < sizeof methods / sizeof methods[0]; k++) {
+        air_render_params params = view_params(NULL);
+        params.methods = methods[k];
+        params.sample_end = 4;
+        air_image *without = view_render(context, snapshot, &params);
+        params.lightmap = lightmap;
+        air_image *with = view_render(context, snapshot, &params);
+        for (size_t i = 0; i < VIEW_SIZE * VIEW_SIZE; i++) {
+            const size_t x = i % VIEW_SIZE, y = i / VIEW_SIZE;
+            const double scattered = view_value(with, "M1.R", x, y);
+            assert_true(scattered > 0.0 && scattered == view_value(without, "M1.R", x, y));
+            assert_near(view_value(with, "S0.R", x, y), exp(-0.5 * 1.25) / AIR_PI);
+        }
+        air_image_destroy(with);
+        air_image_destroy(without);
+    }
+    air_lightmap_destroy(lightmap);
+    air_snapshot_release(snapshot);
+    air_context_destroy(context);
+}
+
 /* A shiny white surface under even light of radiance 1 keeps what it gets. */
 static void highlights_are_those_of_an_even_sky(void **state)
 {
@@ -337,6 +397,7 @@ int main(void)
         cmocka_unit_test(media_in_front_take_light_away),
         cmocka_unit_test(smoke_dims_baked_light_as_it_dims_emission),
         cmocka_unit_test(other_terms_do_not_know_of_it),
+        cmocka_unit_test(other_methods_leave_surfaces_to_it),
         cmocka_unit_test(highlights_are_those_of_an_even_sky),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
