@@ -1,8 +1,6 @@
 /* The end-to-end scene of our reading of [Dubouchet2019], section 8: a point light of 1 W/sr two
  * metres above a floor in haze without end, sigma_s = 0.3: what each treatment of media makes of
  * it. */
-#include <stdio.h>
-
 #include "bake/cache.h"
 #include "bake/respond.h"
 #include "path_scene.h"
@@ -81,10 +79,11 @@ static air_sobol *make_sobol(void)
     return sobol;
 }
 
-static void responses(void **state, bool literal)
+/* What the model of responses gives for each row, relative to the truth. */
+static void respond_all(void **state, bool literal, double out[ROWS])
 {
     air_sobol *sobol = make_sobol();
-    for (int i = 0; i < ROWS; i += 1) {
+    for (int i = 0; i < ROWS; i++) {
         const foot_row *row = &rows[i];
         air_snapshot *snapshot = foot_scene(state, row);
         const air_responder_params params = {literal, 10};
@@ -95,27 +94,69 @@ static void responses(void **state, bool literal)
                                             .terms = AIR_TERMS_ALL,
                                             .media = AIR_PATH_ATTENUATE,
                                             .respond = air_responder_hooks(responder)};
-        measure(snapshot, sobol, &settings, row->x, 64, got);
-        const double truth = row->once + row->more;
-        printf("x %g g %g floor %g: direct %+.4f media %.5g of %.5g: %+.4f\n", (double)row->x,
-               (double)row->g, (double)row->floor, got[0] / row->direct - 1, got[2], truth,
-               got[2] / truth - 1);
+        measure(snapshot, sobol, &settings, row->x, 16, got);
+        assert_true(fabs(got[AIR_LAYER_DIRECT] / row->direct - 1.0) < 1e-5);
+        out[i] = got[AIR_LAYER_MEDIA];
         air_responder_destroy(responder);
         air_snapshot_release(snapshot);
     }
     free(sobol);
 }
 
-static void literal_responses(void **state) { responses(state, true); }
-static void better_responses(void **state) { responses(state, false); }
-
-static void exact(void **state)
+/* Without a floor and with isotropic scattering the tables are right: one event within 0.5 %, two
+ * to ten within 1 %, and three standard errors of the walks. */
+static void responses_are_right_in_haze_without_end(void **state)
 {
-    air_sobol *sobol = make_sobol();
-    for (int i = 0; i < ROWS; i += 1) {
+    for (int literal = 0; literal < 2; literal++) {
+        double got[ROWS];
+        respond_all(state, literal != 0, got);
+        for (int i = 0; i < ROWS; i++) {
+            const foot_row *row = &rows[i];
+            const double truth = row->once + row->more;
+            const double slack =
+                0.005 * row->once + 0.01 * row->more + 3.0 * (row->once_error + row->more_error);
+            if (row->floor < 0.0f && row->g == 0.0f && !(fabs(got[i] - truth) < slack)) {
+                fail_msg("x %g: %.5g, expected %.5g +- %.2g", (double)row->x, got[i], truth, slack);
+            }
+        }
+    }
+}
+
+/* The stated failures of the model: light that a floor would stop is counted, 16 to 45 % of what
+ * two and more events bring; and forward scattering after the first event, by the paper's rule 4 to
+ * 34 % too low, by the better one 1 to 13 % off. */
+static void responses_fail_as_stated(void **state)
+{
+    double literal[ROWS], better[ROWS];
+    respond_all(state, true, literal);
+    respond_all(state, false, better);
+    for (int i = 0; i < ROWS; i++) {
         const foot_row *row = &rows[i];
+        const double truth = row->once + row->more;
+        const double lost = (literal[i] - truth) / row->more;
+        const double rest = (better[i] - truth) / row->more;
+        if (row->floor >= 0.0f && !(lost > 0.14 && lost < 0.47)) {
+            fail_msg("x %g, floor: %+.3f", (double)row->x, lost);
+        }
+        if (row->g > 0.0f &&
+            !(lost < -0.02 && lost > -0.37 && fabs(rest) < 0.15 && fabs(rest) < fabs(lost))) {
+            fail_msg("x %g, g %g: %+.3f, better %+.3f", (double)row->x, (double)row->g, lost, rest);
+        }
+    }
+}
+
+/* Above a floor cached light is what the model of responses is not: within 3 % of all that the fog
+ * brings (noise of the coarse cache here is 1 %), where responses are 8 to 26 % off. With a
+ * reflecting floor, what it sends back counts too. */
+static void cached_light_knows_the_floor(void **state)
+{
+    static const int chosen[] = {6};
+    air_sobol *sobol = make_sobol();
+    for (size_t i = 0; i < sizeof chosen / sizeof chosen[0]; i++) {
+        const foot_row *row = &rows[chosen[i]];
         air_snapshot *snapshot = foot_scene(state, row);
-        const air_light_cache_params params = {12, 128, 11, 7};
+        const air_light_cache_params params = {
+            .resolution = 12, .samples = 64, .max_depth = 11, .seed = 7};
         air_light_cache *cache;
         double got[AIR_LAYER_COUNT];
         assert_int_equal(
@@ -124,11 +165,14 @@ static void exact(void **state)
                                             .terms = AIR_TERMS_ALL,
                                             .media = AIR_PATH_GATHER,
                                             .source = {air_light_cache_scattered, cache, true}};
-        measure(snapshot, sobol, &settings, row->x, 16384, got);
-        const double truth = row->once + row->more;
-        printf("x %g g %g floor %g: direct %+.4f media %.5g of %.5g: %+.4f (floor %.5g)\n",
-               (double)row->x, (double)row->g, (double)row->floor, got[0] / row->direct - 1, got[2],
-               truth, got[2] / truth - 1, got[2] + got[1] - truth);
+        measure(snapshot, sobol, &settings, row->x, 8192, got);
+        const double truth = row->once + row->more + row->by_floor;
+        print_message("x %g floor %g: %+.4f\n", (double)row->x, (double)row->floor,
+                      (got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT]) / truth - 1.0);
+        if (!(fabs(got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT] - truth) < 0.03 * truth)) {
+            fail_msg("x %g: %.5g, expected %.5g", (double)row->x,
+                     got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT], truth);
+        }
         air_light_cache_destroy(cache);
         air_snapshot_release(snapshot);
     }
@@ -138,9 +182,9 @@ static void exact(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        // cmocka_unit_test(literal_responses),
-        // cmocka_unit_test(better_responses),
-        cmocka_unit_test(exact),
+        cmocka_unit_test(responses_are_right_in_haze_without_end),
+        cmocka_unit_test(responses_fail_as_stated),
+        cmocka_unit_test(cached_light_knows_the_floor),
     };
     return cmocka_run_group_tests(tests, path_set_up, path_tear_down);
 }

@@ -149,19 +149,16 @@ static air_light_cache_params cache_params(const baking *b)
 {
     const double budget = 0.1 * b->work;
     const double media = (double)b->snapshot->media.count;
-    uint32_t resolution = b->params->cache_resolution, samples = b->params->cache_samples;
+    uint32_t resolution = b->params->cache_resolution;
     if (resolution == 0) {
         resolution = 24;
         while (resolution > 8 && media * pow(resolution, 3.0) * 128.0 > budget) {
             resolution -= 2;
         }
     }
-    if (samples == 0) {
-        const double each = budget / (media * pow(resolution, 3.0));
-        samples = each < 128.0 ? 128 : each > 1024.0 ? 1024 : (uint32_t)each / 16 * 16;
-    }
     return (air_light_cache_params){.resolution = resolution,
-                                    .samples = samples,
+                                    .samples = b->params->cache_samples,
+                                    .budget = budget,
                                     .max_depth = max_depth(b->params),
                                     .seed = b->seed};
 }
@@ -170,7 +167,7 @@ static air_status make_cache(baking *b)
 {
     const double start = air_clock(b->context);
     const air_light_cache_params params = cache_params(b);
-    const double work = pow(params.resolution, 3.0) * params.samples;
+    const double work = double_max(params.budget, 64.0 * pow(params.resolution, 3.0));
     if (b->params->media != AIR_BAKE_EXACT || b->snapshot->media.count == 0 ||
         b->params->max_bounces < 1) {
         return AIR_OK;

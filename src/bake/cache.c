@@ -125,7 +125,7 @@ static bool lamp_of(const air_light *light, air_vec3 *out_center, float *out_rad
     return true;
 }
 
-enum { MOST_GRIDS = 64, LAMP_RESOLUTION = 16, FAR_RESOLUTION = 8 };
+enum { MOST_GRIDS = 10, LAMP_RESOLUTION = 16, FAR_RESOLUTION = 8 };
 
 /* Is the point well inside of a grid whose cells are no larger? */
 static bool has_finer(const medium_cache *m, air_vec3 p, float cell)
@@ -148,14 +148,14 @@ static bool has_finer(const medium_cache *m, air_vec3 p, float cell)
 }
 
 /* About a lamp light varies over distances in proportion to the distance from it: boxes, each half
- * as large as the one before, until cells are a sixth of the mean free path or of the way to the
+ * as large as the one before, until cells are a third of the mean free path or of the way to the
  * nearest wall, or of the lamp's own size. */
 static void add_lamp(const air_medium *medium, box bounds, air_vec3 center, float radius,
                      float wall, medium_cache *m)
 {
     const float extinction = vec3_max(medium->sigma_t);
     const float path = extinction > 0.0f ? 1.0f / extinction : INFINITY;
-    const float finest = float_max(float_min(path, wall), radius) * (1.0f / 6.0f);
+    const float finest = float_max(float_min(path, wall), radius) * (1.0f / 3.0f);
     for (float half = 0.25f * box_side(bounds);
          m->count < MOST_GRIDS - 2 && 2.0f * half / LAMP_RESOLUTION > 0.5f * finest; half *= 0.5f) {
         const box b = box_cut(box_grow((box){center, center}, half), bounds);
@@ -291,7 +291,7 @@ static void take_record(const float *record, point *out)
     }
 }
 
-static air_status fill(const air_path *path, const air_light_cache_params *params, uint32_t number,
+static air_status fill(const air_path *path, uint32_t seed, uint32_t samples,
                        air_bake_progress *progress, double begin, double end, grid *g)
 {
     air_context *context = path->snapshot->context;
@@ -300,8 +300,8 @@ static air_status fill(const air_path *path, const air_light_cache_params *param
                           .count = count,
                           .draw = draw_point,
                           .user = g,
-                          .seed = air_hash_combine(params->seed, 0xcac4e000u + number),
-                          .samples = params->samples,
+                          .seed = seed,
+                          .samples = samples,
                           .coefficients = COEFFICIENTS,
                           .apart = true};
     g->points = air_allocate(context, count, sizeof *g->points);
@@ -340,11 +340,22 @@ static size_t all_points(const air_light_cache *self)
     return count;
 }
 
+static uint32_t samples_of(const air_light_cache_params *params, size_t points)
+{
+    enum { LEAST = 64, MOST = 1024 };
+    const double each = params->budget / double_max((double)points, 1.0);
+    if (params->samples > 0) {
+        return params->samples;
+    }
+    return each < LEAST ? LEAST : each > MOST ? MOST : (uint32_t)each / 16 * 16;
+}
+
 static air_status fill_all(air_light_cache *self, const air_path *path,
                            const air_light_cache_params *params, air_bake_progress *progress,
                            double fraction_end)
 {
     const double share = fraction_end / (double)all_points(self);
+    const uint32_t samples = samples_of(params, all_points(self));
     size_t done = 0;
     uint32_t number = 0;
     air_status status = AIR_OK;
@@ -353,7 +364,8 @@ static air_status fill_all(air_light_cache *self, const air_path *path,
             grid *g = &self->media[i].grids[k];
             const double begin = share * (double)done;
             done += point_count(g);
-            status = fill(path, params, number++, progress, begin, share * (double)done, g);
+            status = fill(path, air_hash_combine(params->seed, 0xcac4e000u + number++), samples,
+                          progress, begin, share * (double)done, g);
         }
     }
     return status;

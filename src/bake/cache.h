@@ -13,7 +13,8 @@ typedef struct air_light_cache air_light_cache;
 
 typedef struct air_light_cache_params {
     uint32_t resolution; /* points along the longest side of a medium, >= 2 */
-    uint32_t samples;    /* of each point */
+    uint32_t samples;    /* of each point; 0: 64 to 1024, as the budget has them */
+    double budget;       /* samples of all points together */
     uint32_t max_depth;  /* events, the point's own counted */
     uint32_t seed;
 } air_light_cache_params;

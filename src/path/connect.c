@@ -31,8 +31,8 @@ void air_path_shares(const air_path *path, const air_ray *rays, size_t count, ui
 {
     const air_snapshot *snapshot = path->snapshot;
     memset(occluded, 0, count);
-    if (snapshot->accelerator != NULL && count > 0) {
-        path->rays->occluded(snapshot->accelerator, rays, count, occluded);
+    if (path->snapshot->accelerator != NULL && count > 0) {
+        path->rays->occluded(path->snapshot->accelerator, rays, count, occluded);
     }
     for (size_t i = 0; i < count; i++) {
         const bool alpha = snapshot->has_alpha && rays[i].mask != 0 && !occluded[i];
@@ -125,13 +125,13 @@ void path_intersect(const air_path *path, air_path_scratch *scratch, const air_p
                     size_t count)
 {
     const air_snapshot *snapshot = path->snapshot;
-    if (snapshot->accelerator == NULL) {
+    if (path->snapshot->accelerator == NULL) {
         for (size_t i = 0; i < count; i++) {
             scratch->hits[i].mesh = (uint32_t)AIR_NO_HIT;
         }
         return;
     }
-    path->rays->intersect(snapshot->accelerator, scratch->rays, count, scratch->hits);
+    path->rays->intersect(path->snapshot->accelerator, scratch->rays, count, scratch->hits);
     for (size_t i = 0; snapshot->has_alpha && i < count; i++) {
         const path_walk *walk = &scratch->walks[i];
         pass_transparent(path, &scratch->rays[i], &scratch->hits[i], &lanes[walk->lane].sampler,

@@ -128,11 +128,11 @@ static bool draw_light(const air_path *path, path_vertex *vertex, air_path_lane 
         vertex->at.medium.light_probability = lane->through_probability;
         return true;
     }
-    if (path_lights(path, vertex->walk.depth)->count == 0) {
+    if (path_lights(path, vertex->walk.depth, false)->count == 0) {
         return false;
     }
-    path_draw_light(path, lane, &vertex->walk, &vertex->at.medium.light,
-                    &vertex->at.medium.light_probability);
+    path_draw_light(path, path_lights(path, vertex->walk.depth, false), lane, &vertex->walk,
+                    &vertex->at.medium.light, &vertex->at.medium.light_probability);
     return true;
 }
 

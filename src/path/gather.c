@@ -119,10 +119,9 @@ air_ray path_shadow_ray(const path_vertex *vertex, const air_connection *connect
 
 /* Lights without extent need no numbers for a point, and the first medium event has its own for the
  * choice. */
-void path_draw_light(const air_path *path, const air_path_lane *lane, const path_walk *walk,
-                     air_light_point *out_point, float *out_probability)
+void path_draw_light(const air_path *path, const air_light_table *lights, const air_path_lane *lane,
+                     const path_walk *walk, air_light_point *out_point, float *out_probability)
 {
-    const air_light_table *lights = path_lights(path, walk->depth);
     const bool first_in_medium = walk->depth == 1 && walk->branch == 1;
     air_f32x4 u = {0.0f, 0.0f, 0.0f, 0.0f};
     float rest;
@@ -172,7 +171,7 @@ void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane 
 {
     const path_walk *walk = &vertex->walk;
     air_path_lane *lane = &lanes[walk->lane];
-    const air_light_table *lights = path_lights(path, walk->depth);
+    const air_light_table *lights = path_lights(path, walk->depth, vertex->on_surface);
     if (lights->count == 0 || vertex->light_share == 0.0f) {
         return;
     }
@@ -181,7 +180,7 @@ void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane 
     float probability = vertex->at.medium.light_probability;
     air_vec3 position = vertex->at.medium.position;
     if (vertex->on_surface) {
-        path_draw_light(path, lane, walk, &drawn, &probability);
+        path_draw_light(path, lights, lane, walk, &drawn, &probability);
         position = vertex->at.surface.position;
     } else {
         light = &vertex->at.medium.light;

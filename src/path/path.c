@@ -225,6 +225,7 @@ static void leave(const air_path *path, air_path_scratch *scratch, const path_ve
     if (!sampled || !survives(&walk, u[3])) {
         return;
     }
+    walk.from_surface = vertex->on_surface;
     const air_vec3 origin = vertex->on_surface ? air_surface_origin(&vertex->at.surface, dir)
                                                : vertex->at.medium.position;
     const size_t i = scratch->walk_count++;

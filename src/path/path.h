@@ -84,10 +84,11 @@ typedef struct air_path {
                           lights from infinity in closed form */
     air_collimated_medium volume; /* that region */
     bool extended_lights;         /* some light has an area or fills directions */
-    /* The lights asked for at first events: the snapshot's, less those that are wholly other
-     * methods' there. A view: only its cdf may be its own. */
-    air_light_table first_lights;
-    float *first_cdf; /* owned; NULL: the snapshot's */
+    /* The lights that vertices ask: the snapshot's; at first events less those that are wholly
+     * other methods' there, on surfaces less environments of one radiance, which directions drawn
+     * by the surface meet as well. Views: only their cdf may be their own. */
+    air_light_table lights[2][2]; /* [at a first event][on a surface] */
+    float *cdfs[2][2];            /* owned; NULL: the snapshot's */
 } air_path;
 
 /* On failure the path is as after air_path_finish. */

@@ -1,6 +1,8 @@
 /* setup.c: what of a scene a path tracer is asked for, found once before the samples. */
 #include "path/path.h"
 
+#include <string.h>
+
 static bool any_emission(const air_snapshot *snapshot)
 {
     for (size_t i = 0; i < snapshot->material_count; i++) {
@@ -60,36 +62,60 @@ static void narrow_terms(air_path *path)
     }
 }
 
-/* A cumulative distribution over the lights that path is asked for at first events. */
-static air_status choose_first_lights(air_path *path)
+/* Is an entry asked for by vertices of one sort? */
+static bool is_asked(const air_path *path, size_t entry, bool first, bool on_surface)
+{
+    const air_light *light = &path->snapshot->lights.entries[entry];
+    const bool met = light->kind == AIR_LIGHT_ENVIRONMENT && light->environment == NULL &&
+                     light->casts_shadow && !path->pervious;
+    return (!first || owns_first(path, entry)) && !(on_surface && met);
+}
+
+/* A table over the lights that vertices of one sort ask. */
+static air_status choose_lights(air_path *path, bool first, bool on_surface)
 {
     const air_light_table *lights = &path->snapshot->lights;
-    size_t owned = 0;
+    air_light_table *out = &path->lights[first][on_surface];
+    size_t asked = 0;
     float total = 0.0f, sum = 0.0f;
-    path->first_lights = *lights;
+    *out = *lights;
     for (size_t i = 0; i < lights->count; i++) {
-        if (owns_first(path, i)) {
+        if (is_asked(path, i, first, on_surface)) {
             total += air_light_pick_probability(lights, (uint32_t)i);
-            owned++;
+            asked++;
         }
     }
-    if (owned == lights->count) {
+    if (asked == lights->count) {
         return AIR_OK;
     }
     if (!(total > 0.0f)) {
-        path->first_lights.count = 0;
+        out->count = 0;
         return AIR_OK;
     }
-    path->first_cdf = air_allocate(path->snapshot->context, lights->count, sizeof(float));
-    if (path->first_cdf == NULL) {
+    float *cdf = air_allocate(path->snapshot->context, lights->count, sizeof *cdf);
+    if (cdf == NULL) {
         return air_fail_memory(path->snapshot->context, "lights");
     }
     for (size_t i = 0; i < lights->count; i++) {
-        sum += owns_first(path, i) ? air_light_pick_probability(lights, (uint32_t)i) : 0.0f;
-        path->first_cdf[i] = sum / total;
+        sum += is_asked(path, i, first, on_surface)
+                   ? air_light_pick_probability(lights, (uint32_t)i)
+                   : 0.0f;
+        cdf[i] = sum / total;
     }
-    path->first_lights.cdf = path->first_cdf;
+    out->cdf = path->cdfs[first][on_surface] = cdf;
     return AIR_OK;
+}
+
+static air_status choose_all_lights(air_path *path)
+{
+    air_status status = AIR_OK;
+    for (int i = 0; i < 4 && status == AIR_OK; i++) {
+        status = choose_lights(path, (i & 1) != 0, (i & 2) != 0);
+    }
+    if (status != AIR_OK) {
+        air_path_finish(path);
+    }
+    return status;
 }
 
 static const air_media no_media = {.all_constant = true};
@@ -102,7 +128,7 @@ air_status air_path_init(air_path *path, const air_snapshot *snapshot, const air
     path->rays = air_context_ray_backend(snapshot->context);
     path->sobol = sobol;
     path->settings = *settings;
-    path->first_cdf = NULL;
+    memset(path->cdfs, 0, sizeof path->cdfs);
     path->emissive_media = false;
     for (size_t i = 0; i < path->media->count; i++) {
         path->emissive_media =
@@ -127,13 +153,15 @@ air_status air_path_init(air_path *path, const air_snapshot *snapshot, const air
         air_region_planes(&media->regions[0], &path->volume);
     }
     narrow_terms(path);
-    return choose_first_lights(path);
+    return choose_all_lights(path);
 }
 
 void air_path_finish(air_path *path)
 {
     if (path->snapshot != NULL) {
-        air_free(path->snapshot->context, path->first_cdf);
-        path->first_cdf = NULL;
+        for (int i = 0; i < 4; i++) {
+            air_free(path->snapshot->context, path->cdfs[i & 1][i >> 1]);
+            path->cdfs[i & 1][i >> 1] = NULL;
+        }
     }
 }

@@ -146,7 +146,7 @@ static void queue_pair(const air_path *path, air_path_scratch *scratch, const pa
 static void ask_lamp(const air_path *path, air_path_scratch *scratch, air_path_lane *lane,
                      const path_vertex *vertex)
 {
-    const air_light_table *lights = path_lights(path, 2);
+    const air_light_table *lights = path_lights(path, 2, false);
     const air_light_point *light = &lane->through_light;
     const air_vec3 towards = vec3_sub(light->position, vertex->at.surface.position);
     const air_f32x4 u = air_sampler_get(&lane->sampler, path_through_set(&vertex->walk));
@@ -237,10 +237,11 @@ void path_ask_through(const air_path *path, air_path_scratch *scratch, air_path_
     event.depth = 2;
     event.branch = 1;
     if (path->media->count == 0 || path->settings.max_depth < 2 ||
-        path_lights(path, 2)->count == 0) {
+        path_lights(path, 2, false)->count == 0) {
         return;
     }
-    path_draw_light(path, lane, &event, &lane->through_light, &lane->through_probability);
+    path_draw_light(path, path_lights(path, 2, false), lane, &event, &lane->through_light,
+                    &lane->through_probability);
     if (lane->through_light.infinite) {
         ask_sky(path, scratch, lane, vertex);
     } else {

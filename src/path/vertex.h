@@ -23,6 +23,7 @@ typedef struct path_walk {
     uint32_t branch;       /* 0: started on a surface, 1: in a medium; of walks from receivers: 1
                               once they were in a medium */
     bool received;         /* the walk started at a receiver */
+    bool from_surface;     /* the ray under way left a surface */
     bool through;          /* a ray from a receiver that looks for one event in media only */
     air_vec3 beta; /* throughput, for a medium vertex still without sigma_s and phase function */
     /* With air_path_respond: throughput of light that media scattered on the way (beta is that of
@@ -120,9 +121,10 @@ static inline uint32_t path_through_set(const path_walk *walk)
 }
 
 /* The lights that a vertex of this depth asks. */
-static inline const air_light_table *path_lights(const air_path *path, uint32_t depth)
+static inline const air_light_table *path_lights(const air_path *path, uint32_t depth,
+                                                 bool on_surface)
 {
-    return depth == 1 ? &path->first_lights : &path->snapshot->lights;
+    return &path->lights[depth == 1][on_surface];
 }
 
 static inline air_term path_term(const path_walk *walk)
@@ -200,8 +202,8 @@ typedef struct path_mixture {
 void path_mixture_make(const air_path *path, const path_vertex *vertex, path_mixture *out);
 
 /* Chooses a light by power, and a point on it, for an event; the light table must not be empty. */
-void path_draw_light(const air_path *path, const air_path_lane *lane, const path_walk *walk,
-                     air_light_point *out_point, float *out_probability);
+void path_draw_light(const air_path *path, const air_light_table *lights, const air_path_lane *lane,
+                     const path_walk *walk, air_light_point *out_point, float *out_probability);
 
 static inline bool path_responds(const air_path *path)
 {
