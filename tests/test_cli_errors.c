@@ -45,7 +45,7 @@ static void options_that_do_not_exist_are_named_with_the_nearest_one(void **stat
     static const bad_case cases[] = {
         {{"rendr", "lit.gltf"},
          2,
-         "unknown command \"rendr\" (did you mean render?); expected one of render, info"},
+         "unknown command \"rendr\" (did you mean render?); expected one of render, bake"},
         {{"shine", "lit.gltf"},
          2,
          "unknown command \"shine\"; expected one of render, bake, info, diff, merge, convert"},
