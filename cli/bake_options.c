@@ -82,8 +82,8 @@ static const cli_option map_options[] = {
      .value = "LIST",
      .choices = target_names,
      .offset = offsetof(cli_bake_options, targets),
-     .help = "What is baked, with commas between: lightmap, vertices; default lightmap. Probes "
-             "come with --probes."},
+     .help = "What is baked, with commas between: lightmap, vertices; default lightmap, but with "
+             "--probes only these."},
     {.name = "uv",
      .kind = CLI_CHOICE,
      .value = "CHOICE",

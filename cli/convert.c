@@ -16,18 +16,19 @@ extern char **environ;
 
 enum { PATH_LENGTH_MAX = 4096 };
 
-static const char *const image_extensions[] = {".exr", ".png", ".pfm", NULL};
+static const char *const image_extensions[] = {".exr", ".png", ".pfm", ".ktx2", NULL};
 static const char *const grid_extensions[] = {".nvdb", NULL};
 
 static const cli_usage convert_usage = {
     .command = "convert",
     .arguments = "IN OUT",
-    .summary = "Converts images (.exr, .hdr, .png, .jpg or .pfm to .exr, .png or .pfm) and density "
-               "grids (.vdb to .nvdb, by the program " CONVERTER
+    .summary = "Converts images (.exr, .hdr, .png, .jpg, .pfm or .ktx2 to .exr, .png, .pfm or "
+               ".ktx2) and density grids (.vdb to .nvdb, by the program " CONVERTER
                " of the optional OpenVDB part). Exposure and view default to what IN says: the "
                "exposure an EXR carries, none for pictures of 8 bits, else auto.",
     .examples = "  airlight convert room.exr room.png --exposure 1.5\n"
                 "  airlight convert sky.hdr sky.exr --half\n"
+                "  airlight convert lightmap-0.ktx2 lightmap-0.exr\n"
                 "  airlight convert smoke.vdb smoke.nvdb\n",
     .argument_min = 2,
     .argument_max = 2,

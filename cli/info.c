@@ -10,9 +10,11 @@
 static const cli_usage info_usage = {
     .command = "info",
     .arguments = "FILE",
-    .summary = "Tells what was understood of a scene: triangles, lights, media with the kind of "
-               "their boundary, cameras, bounds, the units assumed, which method owns which part "
-               "of the light, warnings. Of an image or film: size, channels and attributes.",
+    .summary =
+        "Tells what was understood of a scene: triangles, lights, media with the kind of "
+        "their boundary, cameras, bounds, the units assumed, which method owns which part "
+        "of the light, warnings. Of an image (.exr, .hdr, .png, .jpg, .pfm, .ktx2) or a .film: "
+        "size, channels and attributes.",
     .examples = "  airlight info room.glb\n"
                 "  airlight info room.glb --medium visibility=50m --json\n"
                 "  airlight info room.exr\n",
@@ -310,7 +312,7 @@ static cli_exit open_image(cli_host *host, const char *path, json_t **out_descri
 static cli_exit open_file(cli_host *host, const char *path, const cli_scene_options *options,
                           json_t **out_description)
 {
-    static const char *const images[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".pfm"};
+    static const char *const images[] = {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".pfm", ".ktx2"};
     air_snapshot *snapshot = NULL;
     if (cli_has_extension(path, ".film")) {
         return open_film(host, path, out_description);

@@ -39,7 +39,7 @@ static const cli_option output_options[] = {
     {.name = "half",
      .kind = CLI_FLAG,
      .offset = offsetof(cli_output_options, half),
-     .help = "Write EXR channels with 16 bits instead of 32."},
+     .help = "Write EXR and KTX 2 channels with 16 bits instead of 32."},
 };
 
 cli_option_group cli_output_group(cli_output_options *options)
