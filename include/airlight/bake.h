@@ -60,6 +60,8 @@ typedef struct air_bake_params {
      * are summed, [1, AIR_IMPULSE_BOUNCES_MAX]. */
     bool impulse_literal; /* default false */
     int impulse_bounces;  /* default 10 */
+    const air_impulse_tables
+        *impulse_tables; /* borrowed; NULL: built for the bake, in some seconds */
 
     bool lightmaps;         /* default true */
     air_bake_uv uv;         /* default AIR_BAKE_UV_AUTO */

@@ -115,6 +115,7 @@ static uint64_t fingerprint(const air_snapshot *snapshot, const air_bake_params 
                                 p->cache_resolution,
                                 p->cache_samples,
                                 p->impulse_literal,
+                                p->impulse_tables != NULL,
                                 (uint32_t)p->impulse_bounces,
                                 p->lightmaps,
                                 (uint32_t)p->uv,
@@ -186,7 +187,8 @@ static air_status make_cache(baking *b)
 static air_status make_responder(baking *b)
 {
     const double start = air_clock(b->context);
-    const air_responder_params params = {b->params->impulse_literal, b->params->impulse_bounces};
+    const air_responder_params params = {b->params->impulse_literal, b->params->impulse_bounces,
+                                         b->params->impulse_tables};
     if (b->params->media != AIR_BAKE_IMPULSE || b->snapshot->media.count == 0) {
         return AIR_OK;
     }

@@ -376,7 +376,8 @@ air_status air_light_cache_create(air_context *context, const air_snapshot *snap
                                   air_bake_progress *progress, double fraction_end,
                                   air_light_cache **out_cache)
 {
-    const air_path_settings settings = {.max_depth = params->max_depth, .terms = AIR_TERMS_ALL};
+    const air_path_settings settings = {
+        .max_depth = params->max_depth, .terms = AIR_TERMS_ALL, .source = {.through = true}};
     air_light_cache *self = air_allocate(context, 1, sizeof *self);
     air_path path;
     *out_cache = NULL;

@@ -99,7 +99,8 @@ air_status air_responder_create(air_context *context, const air_snapshot *snapsh
                                 const air_responder_params *params, air_responder **out_responder)
 {
     air_responder *self = air_allocate(context, 1, sizeof *self);
-    air_impulse_tables *tables = NULL;
+    air_impulse_tables *built = NULL;
+    const air_impulse_tables *tables = params->tables;
     *out_responder = NULL;
     if (self == NULL) {
         return air_fail_memory(context, "responses of media");
@@ -107,13 +108,17 @@ air_status air_responder_create(air_context *context, const air_snapshot *snapsh
     self->context = context;
     self->snapshot = snapshot;
     self->media = air_allocate(context, snapshot->media.count, sizeof *self->media);
-    air_status status = self->media == NULL ? air_fail_memory(context, "responses of media")
-                                            : make_tables(context, snapshot, params, &tables);
+    air_status status =
+        self->media == NULL ? air_fail_memory(context, "responses of media") : AIR_OK;
+    if (status == AIR_OK && tables == NULL) {
+        status = make_tables(context, snapshot, params, &built);
+        tables = built;
+    }
     for (size_t i = 0; i < snapshot->media.count && status == AIR_OK; i++) {
         self->count++;
         status = make_medium(self, tables, params, i);
     }
-    air_impulse_tables_destroy(tables);
+    air_impulse_tables_destroy(built);
     if (status != AIR_OK) {
         air_responder_destroy(self);
         return status;

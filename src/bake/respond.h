@@ -14,6 +14,7 @@ typedef struct air_responder air_responder;
 typedef struct air_responder_params {
     bool literal; /* tables, forms and rules as the paper has them */
     int bounces;
+    const air_impulse_tables *tables; /* borrowed; NULL: built */
 } air_responder_params;
 
 air_status air_responder_create(air_context *context, const air_snapshot *snapshot,

@@ -33,6 +33,9 @@ static bool emission_term(const air_path *path, const path_walk *walk, uint32_t 
                           air_term seen, air_term *out)
 {
     *out = walk->depth == 0 ? seen : path_term(walk);
+    if (path_goes_through(path, walk)) {
+        return false;
+    }
     return walk->depth == 0 ? ((path->settings.terms >> seen) & 1u) != 0
                             : path_wanted(path, light_owner, walk->first_medium, *out);
 }

@@ -128,7 +128,8 @@ static bool draw_light(const air_path *path, path_vertex *vertex, air_path_lane 
         vertex->at.medium.light_probability = lane->through_probability;
         return true;
     }
-    if (path_lights(path, vertex->walk.depth, false)->count == 0) {
+    if (path_lights(path, vertex->walk.depth, false)->count == 0 ||
+        path_goes_through(path, &vertex->walk)) {
         return false;
     }
     path_draw_light(path, path_lights(path, vertex->walk.depth, false), lane, &vertex->walk,

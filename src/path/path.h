@@ -31,8 +31,9 @@ typedef struct air_path_source {
     air_vec3 (*scattered)(const void *user, air_vec3 position, uint32_t medium, air_vec3 wo,
                           bool lights);
     const void *user;
-    bool through; /* light by one event between a light and the receiver is asked for without bias,
-                     the source gives none of it */
+    bool through; /* light by one event between a light and the receiver is asked for in a way that
+                     has no spikes (through.c), also with AIR_PATH_SCATTER; the source gives none of
+                     it */
 } air_path_source;
 
 /* A stretch of a path between two vertices, or a vertex and a light. */

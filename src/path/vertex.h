@@ -127,6 +127,13 @@ static inline const air_light_table *path_lights(const air_path *path, uint32_t 
     return &path->lights[depth == 1][on_surface];
 }
 
+/* Is this walk's light asked for through.c's way? */
+static inline bool path_goes_through(const air_path *path, const path_walk *walk)
+{
+    return path->settings.source.through && walk->received && !walk->through && walk->depth == 2 &&
+           walk->branch == 1;
+}
+
 static inline air_term path_term(const path_walk *walk)
 {
     if (walk->depth == 1) {
