@@ -5,7 +5,7 @@
  *
  * --spp N (default 256), --reference N (samples of the reference, default 4096; 0: times only),
  * --texels D (per metre), --mesh-size N (texels of the meshes' own coordinates), --bounces N,
- * --threads N (default 1), --situation K.
+ * --threads N (default 1), --rounds N (default 3; medians and spread are printed), --situation K.
  *
  * All modes run in turn in one process on the same texels with the same samples, without denoising.
  * Errors are of the media layer: mean |difference| to the reference over its mean, and bias. The
@@ -22,7 +22,7 @@ typedef struct bench_options {
     const char *scene, *with;
     uint32_t spp, reference, mesh_size, bounces;
     float texels_per_metre;
-    size_t threads;
+    size_t threads, rounds;
     int situation;
 } bench_options;
 
@@ -37,7 +37,7 @@ static const mode modes[] = {
     {"literal", AIR_BAKE_IMPULSE, true}, {"impulse", AIR_BAKE_IMPULSE, false},
     {"exact", AIR_BAKE_EXACT, false},    {"reference", AIR_BAKE_REFERENCE, false},
 };
-enum { MODES = sizeof modes / sizeof modes[0] };
+enum { MODES = sizeof modes / sizeof modes[0], MOST_ROUNDS = 32 };
 
 /* ---- comparing ---- */
 
@@ -100,45 +100,88 @@ static air_lightmap *bake(air_context *context, const air_snapshot *snapshot,
     return lightmap;
 }
 
+typedef struct timing {
+    double sample_s[MOST_ROUNDS], ratio[MOST_ROUNDS], prepare_s;
+} timing;
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return x < y ? -1 : x > y;
+}
+
+static double median(const double *values, size_t count)
+{
+    double sorted[MOST_ROUNDS];
+    memcpy(sorted, values, count * sizeof *values);
+    qsort(sorted, count, sizeof *sorted, by_size);
+    return count % 2 ? sorted[count / 2] : 0.5 * (sorted[count / 2 - 1] + sorted[count / 2]);
+}
+
+static double spread(const double *values, size_t count)
+{
+    double low = values[0], high = values[0];
+    for (size_t i = 1; i < count; i++) {
+        low = fmin(low, values[i]);
+        high = fmax(high, values[i]);
+    }
+    return high - low;
+}
+
+/* Every mode in turn, round after round; of each the lightmap of the last one stays. */
+static void time_modes(air_context *context, const air_snapshot *snapshot,
+                       const bench_options *options, timing times[MODES],
+                       air_lightmap *lightmaps[MODES])
+{
+    air_bake_report report;
+    for (size_t round = 0; round < options->rounds; round++) {
+        for (int i = 0; i < MODES; i++) {
+            air_lightmap_destroy(lightmaps[i]);
+            lightmaps[i] = bake(context, snapshot, options, &modes[i], options->spp, 3, &report);
+            times[i].sample_s[round] = report.sample_s;
+            times[i].prepare_s = report.cache_s;
+        }
+        for (int i = 0; i < MODES; i++) {
+            times[i].ratio[round] = 100.0 * (times[i].sample_s[round] / times[1].sample_s[round]);
+        }
+    }
+}
+
 /* One scene: a line for each mode. */
 static void run(air_context *context, const air_snapshot *snapshot, const bench_options *options,
                 const char *name)
 {
+    timing times[MODES];
+    air_lightmap *lightmaps[MODES] = {NULL}, *truth = NULL;
     air_bake_report report;
-    air_lightmap *truth = NULL, *second = NULL;
-    double noise = 0.0, attenuate = 0.0, exact_error = 0.0, exact_s = 0.0;
+    difference differences[MODES] = {{0.0, 0.0, 0.0}};
+    time_modes(context, snapshot, options, times, lightmaps);
     if (options->reference > 0) {
         truth = bake(context, snapshot, options, &modes[5], options->reference, 1, &report);
-        second = bake(context, snapshot, options, &modes[5], options->spp, 2, &report);
-        noise = compare(second, truth).error;
-        printf("%s: %zu texels, %u samples; reference of %u samples, media mean %.4g\n", name,
-               report.texels, options->spp, options->reference, compare(second, truth).mean);
-    } else {
-        printf("%s: %u samples\n", name, options->spp);
+        for (int i = 0; i < MODES; i++) {
+            differences[i] = compare(lightmaps[i], truth);
+        }
     }
-    printf("  %-10s %9s %9s %9s %9s %9s\n", "mode", "sampling", "prepare", "overhead", "error",
-           "bias");
+    printf("%s: %u samples, %zu rounds; reference of %u, media mean %.4g\n", name, options->spp,
+           options->rounds, options->reference, differences[0].mean);
+    printf("  %-10s %9s %9s %9s %9s %9s %9s\n", "mode", "sampling", "prepare", "over att.",
+           "spread", "error", "bias");
     for (int i = 0; i < MODES; i++) {
-        air_lightmap *got = bake(context, snapshot, options, &modes[i], options->spp, 3, &report);
-        const difference d = truth != NULL ? compare(got, truth) : (difference){0.0, 0.0, 0.0};
-        attenuate = i == 1 ? report.sample_s : attenuate;
-        if (modes[i].media == AIR_BAKE_EXACT) {
-            exact_error = d.error;
-            exact_s = report.sample_s + report.cache_s;
-        }
-        printf("  %-10s %7.2f s %7.2f s %8.1f%% %8.2f%% %+8.2f%%\n", modes[i].name, report.sample_s,
-               report.cache_s, attenuate > 0.0 ? 100.0 * (report.sample_s / attenuate - 1.0) : 0.0,
-               100.0 * d.error, 100.0 * d.bias);
-        if (modes[i].media == AIR_BAKE_REFERENCE && truth != NULL) {
-            const double times = pow(noise / exact_error, 2.0) * report.sample_s / exact_s;
-            printf("  the reference takes about %.0f times as long for the error of exact\n",
-                   times);
-        }
-        fflush(stdout);
-        air_lightmap_destroy(got);
+        printf("  %-10s %7.2f s %7.2f s %+8.1f%% %8.1f%% %8.2f%% %+8.2f%%\n", modes[i].name,
+               median(times[i].sample_s, options->rounds), times[i].prepare_s,
+               median(times[i].ratio, options->rounds) - 100.0,
+               spread(times[i].ratio, options->rounds), 100.0 * differences[i].error,
+               100.0 * differences[i].bias);
+        air_lightmap_destroy(lightmaps[i]);
     }
+    if (options->reference > 0) {
+        const double exact_s = median(times[4].sample_s, options->rounds) + times[4].prepare_s;
+        printf("  the reference takes %.0f times as long for the error of exact\n",
+               pow(differences[5].error / differences[4].error, 2.0) *
+                   median(times[5].sample_s, options->rounds) / exact_s);
+    }
+    fflush(stdout);
     air_lightmap_destroy(truth);
-    air_lightmap_destroy(second);
 }
 
 static int run_situation(air_context *context, const bench_options *options, const situation *s)
@@ -187,6 +230,7 @@ static bench_options read_options(int argc, char **argv)
                        .bounces = UINT32_MAX,
                        .texels_per_metre = 4.0f,
                        .threads = 1,
+                       .rounds = 3,
                        .situation = -1};
     for (int i = 1; i < argc; i++) {
         const char *value = i + 1 < argc ? argv[i + 1] : "0";
@@ -208,6 +252,8 @@ static bench_options read_options(int argc, char **argv)
             o.bounces = number;
         } else if (strcmp(argv[i - 1], "--threads") == 0) {
             o.threads = number;
+        } else if (strcmp(argv[i - 1], "--rounds") == 0) {
+            o.rounds = number < 1 ? 1 : number < MOST_ROUNDS ? number : MOST_ROUNDS;
         } else if (strcmp(argv[i - 1], "--situation") == 0) {
             o.situation = (int)number;
         }

@@ -395,6 +395,12 @@ cli_exit cli_bake_params(cli_host *host, const cli_bake_options *options, cli_pr
     params->denoise = !options->no_denoise;
     params->stitch = !options->no_stitch;
     params->resume = !options->no_resume;
+    if (params->mesh_size > params->page_size) {
+        cli_say(&host->progress, AIR_MESSAGE_ERROR,
+                "--mesh-size %u: expected at most the page size, %u (--page-size)",
+                params->mesh_size, params->page_size);
+        return CLI_USAGE;
+    }
     for (size_t i = 0; i < options->probes.count && result == CLI_OK; i++) {
         result = read_probes(host, options->probes.items[i], i, probes);
     }
