@@ -84,7 +84,7 @@ static air_status check_params(air_context *context, const air_bake_params *p)
         {"texels_per_metre", (double)p->texels_per_metre, 1e-6, 1e6},
         {"page_size", p->page_size, 16, 16384},
         {"mesh_size", p->mesh_size == 0 ? 4 : p->mesh_size, 4, p->page_size},
-        {"padding", p->padding, 0, 64},
+        {"padding", p->padding, 0, p->page_size > 130 ? 64 : p->page_size / 2 - 1},
         {"chart_angle_rad", (double)p->chart_angle_rad, 0.01, 80.0 * AIR_PI / 180.0},
     };
     air_status status = AIR_OK;
