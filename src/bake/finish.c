@@ -218,8 +218,8 @@ static air_status dilate(air_context *context, const air_bake_params *bake,
     const size_t count = light_planes(out, planes);
     air_dilate_params_default(&params);
     params.everything = bake->dilate == UINT32_MAX;
-    /* a texel inside of something is filled however far light is */
     params.radius = params.everything ? 0.0 : (double)bake->dilate;
+    /* texels just inside of something are what a renderer mixes with those outside */
     if (out->invalid > 0 && params.radius < 2.0) {
         params.radius = 2.0;
     }
