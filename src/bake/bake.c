@@ -160,9 +160,10 @@ static air_light_cache_params cache_params(const baking *b)
         const double each = budget / (media * pow(resolution, 3.0));
         samples = each < 128.0 ? 128 : each > 1024.0 ? 1024 : (uint32_t)each / 16 * 16;
     }
+    /* a point's own event is one of those that the bake allows */
     return (air_light_cache_params){.resolution = resolution,
                                     .samples = samples,
-                                    .max_depth = max_depth(b->params),
+                                    .max_depth = b->params->max_bounces,
                                     .seed = b->seed};
 }
 
@@ -172,7 +173,7 @@ static air_status make_cache(baking *b)
     const air_light_cache_params params = cache_params(b);
     const double work = pow(params.resolution, 3.0) * params.samples;
     if (b->params->media != AIR_BAKE_EXACT || b->snapshot->media.count == 0 ||
-        b->params->max_bounces < 1) {
+        b->params->max_bounces < 2) { /* one event is asked for without a cache */
         return AIR_OK;
     }
     b->work += work;
@@ -208,8 +209,9 @@ static air_status make_path(baking *b)
     if (b->responder != NULL) {
         settings.respond = air_responder_hooks(b->responder);
     }
-    if (b->cache != NULL) {
-        settings.source = (air_path_source){air_light_cache_scattered, b->cache, true};
+    if (b->params->media == AIR_BAKE_EXACT) {
+        settings.source =
+            (air_path_source){b->cache != NULL ? air_light_cache_scattered : NULL, b->cache, true};
     }
     const air_status status = air_path_init(&b->path, b->snapshot, b->sobol, &settings);
     b->path_made = status == AIR_OK;
