@@ -296,6 +296,20 @@ static cli_exit read_line(cli_host *host, const char *path, size_t number, const
     return CLI_OK;
 }
 
+/* The next line; of one that is longer than any position, its beginning. */
+static bool next_line(FILE *file, char *line, int size)
+{
+    if (fgets(line, size, file) == NULL) {
+        return false;
+    }
+    if (strchr(line, '\n') == NULL) {
+        for (int c = fgetc(file); c != EOF && c != '\n';) {
+            c = fgetc(file);
+        }
+    }
+    return true;
+}
+
 static cli_exit read_positions(cli_host *host, const char *path, air_probe_request *out,
                                float **positions)
 {
@@ -306,7 +320,7 @@ static cli_exit read_positions(cli_host *host, const char *path, air_probe_reque
     if (file == NULL) {
         return bad_probes(host, path, "auto=SPACING, grid=..., or a file that can be read");
     }
-    while (result == CLI_OK && fgets(line, sizeof line, file) != NULL) {
+    while (result == CLI_OK && next_line(file, line, sizeof line)) {
         result = read_line(host, path, ++number, line, positions, &out->count);
     }
     fclose(file);
