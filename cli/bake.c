@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "bake_options.h"
 #include "output.h"
@@ -32,11 +33,13 @@ typedef struct bake_run {
     cli_host_options host_options;
     cli_host host;
     char folder[1024], progress_path[1100];
+    bool folder_made; /* by this run */
     air_snapshot *snapshot;
     json_t *description;
     cli_probes probes;
     air_bake_params params;
     air_bake_report report;
+    air_impulse_tables *tables;
     air_lightmap *lightmap;
 } bake_run;
 
@@ -59,7 +62,8 @@ static void set_folder(bake_run *run)
 static cli_exit make_folder(bake_run *run)
 {
     struct stat status;
-    if (mkdir(run->folder, 0777) == 0) {
+    run->folder_made = mkdir(run->folder, 0777) == 0;
+    if (run->folder_made) {
         return CLI_OK;
     }
     if (errno == EEXIST && stat(run->folder, &status) == 0 && S_ISDIR(status.st_mode)) {
@@ -91,15 +95,24 @@ static cli_exit prepare(bake_run *run)
         result = cli_bake_params(&run->host, &run->options, &run->probes, &run->params);
     }
     if (result == CLI_OK) {
-        set_folder(run);
-        result = make_folder(run);
-    }
-    if (result == CLI_OK) {
         result = cli_scene_open(&run->host, run->scene_path, &run->scene, &run->snapshot,
                                 &run->description);
     }
+    if (result == CLI_OK) {
+        result = check_light(run);
+    }
+    if (result == CLI_OK) {
+        set_folder(run);
+        result = make_folder(run);
+    }
     run->params.progress_path = run->progress_path;
-    return result == CLI_OK ? check_light(run) : result;
+    if (result == CLI_OK && run->options.impulse_tables != NULL) {
+        const char *const path = run->options.impulse_tables;
+        result = cli_host_exit(
+            &run->host, air_impulse_tables_load(run->host.context, path, &run->tables), path);
+        run->params.impulse_tables = run->tables;
+    }
+    return result;
 }
 
 static cli_exit save(bake_run *run)
@@ -188,7 +201,11 @@ cli_exit cli_bake(int argc, char **argv)
     }
     run.scene_path = argv[0];
     const cli_exit result = run_bake(&run);
+    if (result != CLI_OK && run.folder_made) {
+        (void)rmdir(run.folder); /* if nothing is in it */
+    }
     air_lightmap_destroy(run.lightmap);
+    air_impulse_tables_destroy(run.tables);
     json_decref(run.description);
     air_snapshot_release(run.snapshot);
     cli_probes_finish(&run.probes);

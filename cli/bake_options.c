@@ -70,6 +70,12 @@ static const cli_option light_options[] = {
      .max = AIR_IMPULSE_BOUNCES_MAX,
      .offset = offsetof(cli_bake_options, impulse_bounces),
      .help = "Of --media impulse: events in media that are summed; default 10."},
+    {.name = "impulse-tables",
+     .kind = CLI_TEXT,
+     .value = "FILE",
+     .offset = offsetof(cli_bake_options, impulse_tables),
+     .help = "Of --media impulse: tables as `airlight table build impulse` writes them; default: "
+             "made anew, in some seconds."},
     {.name = "impulse-literal",
      .kind = CLI_FLAG,
      .offset = offsetof(cli_bake_options, impulse_literal),
@@ -296,6 +302,20 @@ static cli_exit read_line(cli_host *host, const char *path, size_t number, const
     return CLI_OK;
 }
 
+/* The next line; of one that is longer than any position, its beginning. */
+static bool next_line(FILE *file, char *line, int size)
+{
+    if (fgets(line, size, file) == NULL) {
+        return false;
+    }
+    if (strchr(line, '\n') == NULL) {
+        for (int c = fgetc(file); c != EOF && c != '\n';) {
+            c = fgetc(file);
+        }
+    }
+    return true;
+}
+
 static cli_exit read_positions(cli_host *host, const char *path, air_probe_request *out,
                                float **positions)
 {
@@ -306,7 +326,7 @@ static cli_exit read_positions(cli_host *host, const char *path, air_probe_reque
     if (file == NULL) {
         return bad_probes(host, path, "auto=SPACING, grid=..., or a file that can be read");
     }
-    while (result == CLI_OK && fgets(line, sizeof line, file) != NULL) {
+    while (result == CLI_OK && next_line(file, line, sizeof line)) {
         result = read_line(host, path, ++number, line, positions, &out->count);
     }
     fclose(file);

@@ -15,7 +15,7 @@ typedef struct cli_bake_options {
     cli_real texels_per_metre, chart_angle;
     bool directional, no_denoise, no_stitch, full, no_resume;
     cli_list probes;
-    const char *gltf, *godot, *bevy, *rgbm;
+    const char *gltf, *godot, *bevy, *rgbm, *impulse_tables;
     cli_count gltf_show;
     cli_real rgbm_range;
 } cli_bake_options;

@@ -165,7 +165,7 @@ static void cached_light_knows_the_floor(void **state)
         const foot_row *row = &rows[chosen[i]];
         air_snapshot *snapshot = foot_scene(state, row);
         const air_light_cache_params params = {
-            .resolution = 12, .samples = 256, .max_depth = 11, .seed = 7};
+            .resolution = 12, .samples = 256, .max_depth = 10, .seed = 7};
         air_light_cache *cache;
         double got[AIR_LAYER_COUNT];
         assert_int_equal(

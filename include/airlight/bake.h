@@ -69,7 +69,7 @@ typedef struct air_bake_params {
     uint32_t mesh_size;     /* texels that the unit square of a mesh's own coordinates takes along
                                each side; default 0: as texels_per_metre asks */
     uint32_t page_size;     /* most texels along a side of a page, [16, 16384]; default 2048 */
-    uint32_t padding;       /* texels between charts, [0, 64]; default 4 */
+    uint32_t padding;       /* texels between charts, [0, 64] and below half a page; default 4 */
     float chart_angle_rad;  /* unwrapping: how far normals of a chart stray; default 40 degrees */
     bool directional;       /* keep bands 0 and 1 of the incident radiance too; default false */
     bool denoise;           /* default true */

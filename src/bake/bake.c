@@ -84,7 +84,7 @@ static air_status check_params(air_context *context, const air_bake_params *p)
         {"texels_per_metre", (double)p->texels_per_metre, 1e-6, 1e6},
         {"page_size", p->page_size, 16, 16384},
         {"mesh_size", p->mesh_size == 0 ? 4 : p->mesh_size, 4, p->page_size},
-        {"padding", p->padding, 0, 64},
+        {"padding", p->padding, 0, p->page_size > 130 ? 64 : p->page_size / 2 - 1},
         {"chart_angle_rad", (double)p->chart_angle_rad, 0.01, 80.0 * AIR_PI / 180.0},
     };
     air_status status = AIR_OK;
@@ -157,10 +157,11 @@ static air_light_cache_params cache_params(const baking *b)
             resolution -= 2;
         }
     }
+    /* a point's own event is one of those that the bake allows */
     return (air_light_cache_params){.resolution = resolution,
                                     .samples = b->params->cache_samples,
                                     .budget = budget,
-                                    .max_depth = max_depth(b->params),
+                                    .max_depth = b->params->max_bounces,
                                     .seed = b->seed};
 }
 
@@ -170,7 +171,7 @@ static air_status make_cache(baking *b)
     const air_light_cache_params params = cache_params(b);
     const double work = double_max(params.budget, 64.0 * pow(params.resolution, 3.0));
     if (b->params->media != AIR_BAKE_EXACT || b->snapshot->media.count == 0 ||
-        b->params->max_bounces < 1) {
+        b->params->max_bounces < 2) { /* one event is asked for without a cache */
         return AIR_OK;
     }
     b->work += work;
@@ -207,8 +208,9 @@ static air_status make_path(baking *b)
     if (b->responder != NULL) {
         settings.respond = air_responder_hooks(b->responder);
     }
-    if (b->cache != NULL) {
-        settings.source = (air_path_source){air_light_cache_scattered, b->cache, true};
+    if (b->params->media == AIR_BAKE_EXACT) {
+        settings.source =
+            (air_path_source){b->cache != NULL ? air_light_cache_scattered : NULL, b->cache, true};
     }
     const air_status status = air_path_init(&b->path, b->snapshot, b->sobol, &settings);
     b->path_made = status == AIR_OK;

@@ -135,31 +135,35 @@ static void lay_guides(float *block, size_t texels, guide_planes *out)
 
 /* ---- steps ---- */
 
-/* Each layer by itself: shadows of direct light are no edges of indirect light. */
-static air_status denoise(air_context *context, const air_bake_page *page,
-                          const guide_planes *guides, const air_finished_page *out)
+static air_atlas_guides guides_of(const air_bake_page *page, const guide_planes *guides,
+                                  const air_finished_page *out)
 {
-    air_atlas_denoise_params params;
-    const air_atlas_guides atlas = {
+    return (air_atlas_guides){
         .width = page->width,
         .height = page->height,
         .charts = out->charts,
         .position = {guides->position[0], guides->position[1], guides->position[2]},
         .normal = {guides->normal[0], guides->normal[1], guides->normal[2]},
         .area = plane(out->image, CHANNEL_COVERAGE)};
-    air_status status = AIR_OK;
-    air_atlas_denoise_params_default(&params);
-    for (size_t layer = 0; layer < AIR_LAYER_COUNT && status == AIR_OK; layer++) {
-        float *planes[3];
-        for (size_t c = 0; c < 3; c++) {
-            planes[c] = plane(out->image, CHANNEL_LAYERS + 3 * layer + c);
-        }
-        const float *variance[3] = {guides->variance[layer][0], guides->variance[layer][1],
-                                    guides->variance[layer][2]};
-        const air_atlas_layer filtered = {planes, variance, 3};
-        status = air_atlas_denoise(context, &atlas, &params, &filtered);
+}
+
+/* All layers with the same weights, which come from all of them: that is better for each than
+ * weights of its own (src/atlas/README.md). */
+static air_status denoise(air_context *context, const air_bake_page *page,
+                          const guide_planes *guides, const air_finished_page *out)
+{
+    enum { PLANES = 3 * AIR_LAYER_COUNT };
+    air_atlas_denoise_params params;
+    const air_atlas_guides atlas = guides_of(page, guides, out);
+    float *planes[PLANES];
+    const float *variance[PLANES];
+    for (size_t k = 0; k < PLANES; k++) {
+        planes[k] = plane(out->image, CHANNEL_LAYERS + k);
+        variance[k] = guides->variance[k / 3][k % 3];
     }
-    return status;
+    const air_atlas_layer filtered = {planes, variance, PLANES};
+    air_atlas_denoise_params_default(&params);
+    return air_atlas_denoise(context, &atlas, &params, &filtered);
 }
 
 /* Bands 0 and 1 with one set of weights. A band's noise is a share of that of irradiance: E =
@@ -170,13 +174,7 @@ static air_status denoise_directions(air_context *context, const air_bake_page *
     enum { PLANES = 3 * AIR_DIRECTIONAL_COEFFICIENTS };
     air_atlas_denoise_params params;
     const size_t texels = (size_t)page->width * page->height;
-    const air_atlas_guides atlas = {
-        .width = page->width,
-        .height = page->height,
-        .charts = out->charts,
-        .position = {guides->position[0], guides->position[1], guides->position[2]},
-        .normal = {guides->normal[0], guides->normal[1], guides->normal[2]},
-        .area = plane(out->image, CHANNEL_COVERAGE)};
+    const air_atlas_guides atlas = guides_of(page, guides, out);
     float *planes[PLANES];
     const float *variance[PLANES];
     for (size_t i = 0; i < texels; i++) {
@@ -218,8 +216,8 @@ static air_status dilate(air_context *context, const air_bake_params *bake,
     const size_t count = light_planes(out, planes);
     air_dilate_params_default(&params);
     params.everything = bake->dilate == UINT32_MAX;
-    /* a texel inside of something is filled however far light is */
     params.radius = params.everything ? 0.0 : (double)bake->dilate;
+    /* texels just inside of something are what a renderer mixes with those outside */
     if (out->invalid > 0 && params.radius < 2.0) {
         params.radius = 2.0;
     }

@@ -7,6 +7,56 @@
 
 /* ---- pages ---- */
 
+/* Texels that a rectangle keeps free on each of its first sides: half of the padding, or what a
+ * page has left of it. A mesh that fills a page needs no room around it. */
+static double margin_of(double size, const air_bake_params *params)
+{
+    const double margin = (double)((params->padding + 1) / 2);
+    const double most = floor(0.5 * ((double)params->page_size - ceil(size)));
+    return margin < most ? margin : most;
+}
+
+/* What each mesh takes of a page, its margins with it. Margins beyond the page are left out. */
+static void grow(const air_mesh_rectangle *rectangle, const air_bake_params *params,
+                 air_pack_item *out)
+{
+    const double sides[2] = {rectangle->width, rectangle->height};
+    for (int k = 0; k < 2; k++) {
+        const double wanted = ceil(sides[k]) + 2.0 * (double)((params->padding + 1) / 2);
+        out->size[k] = wanted < (double)params->page_size ? wanted : (double)params->page_size;
+    }
+    out->fixed = true;
+}
+
+static void place_mesh(const air_bake_layout *self, const air_bake_params *params,
+                       const air_mesh_rectangle *rectangle, const air_pack_place *place,
+                       air_lightmap_mesh *mesh)
+{
+    const double sides[2] = {rectangle->width, rectangle->height};
+    const uint32_t at[2] = {place->x, place->y};
+    const air_bake_page *page = &self->pages[place->page];
+    const double size[2] = {(double)page->width, (double)page->height};
+    mesh->page = (int32_t)place->page;
+    for (int k = 0; k < 2; k++) {
+        mesh->scale[k] = (float)(sides[k] / size[k]);
+        mesh->offset[k] = (float)(((double)at[k] + margin_of(sides[k], params)) / size[k]);
+    }
+}
+
+static air_status make_pages(air_bake_layout *self, const air_pack *pack)
+{
+    self->pages = air_allocate(self->context, pack->page_count, sizeof *self->pages);
+    if (self->pages == NULL) {
+        return air_fail_memory(self->context, "pages");
+    }
+    self->page_count = pack->page_count;
+    for (size_t p = 0; p < self->page_count; p++) {
+        self->pages[p].width = pack->pages[p].width;
+        self->pages[p].height = pack->pages[p].height;
+    }
+    return AIR_OK;
+}
+
 static air_status pack_meshes(air_bake_layout *self, const air_bake_params *params,
                               const air_mesh_rectangle *rectangles)
 {
@@ -21,42 +71,22 @@ static air_status pack_meshes(air_bake_layout *self, const air_bake_params *para
     for (size_t i = 0; i < self->mesh_count && status == AIR_OK; i++) {
         if (rectangles[i].width > 0.0) {
             meshes[count] = (uint32_t)i;
-            items[count++] =
-                (air_pack_item){.size = {rectangles[i].width, rectangles[i].height}, .fixed = true};
+            grow(&rectangles[i], params, &items[count++]);
         }
     }
     air_pack_params_default(&packing);
-    /* a mesh that fills a page needs no room around it */
-    packing.padding = 0;
-    for (size_t i = 0; i < count; i++) {
-        const double room = (double)params->page_size - (double)params->padding;
-        if (items[i].size[0] <= room && items[i].size[1] <= room) {
-            packing.padding = (params->padding + 1) / 2;
-        }
-    }
+    packing.padding = 0; /* rectangles have theirs */
     packing.max_size = params->page_size;
     packing.power_of_two = false;
     if (status == AIR_OK && count > 0) {
         status = air_pack_create(context, items, count, &packing, &pack);
     }
     if (status == AIR_OK && pack != NULL) {
-        self->page_count = pack->page_count;
-        self->pages = air_allocate(context, pack->page_count, sizeof *self->pages);
-        status = self->pages == NULL ? air_fail_memory(context, "pages") : AIR_OK;
-    }
-    for (size_t p = 0; p < self->page_count && status == AIR_OK; p++) {
-        self->pages[p].width = pack->pages[p].width;
-        self->pages[p].height = pack->pages[p].height;
+        status = make_pages(self, pack);
     }
     for (size_t i = 0; i < count && status == AIR_OK; i++) {
-        const air_pack_place *place = &pack->places[i];
-        const air_bake_page *page = &self->pages[place->page];
-        air_lightmap_mesh *mesh = &self->meshes[meshes[i]];
-        mesh->page = (int32_t)place->page;
-        mesh->scale[0] = (float)(rectangles[meshes[i]].width / page->width);
-        mesh->scale[1] = (float)(rectangles[meshes[i]].height / page->height);
-        mesh->offset[0] = (float)place->x / (float)page->width;
-        mesh->offset[1] = (float)place->y / (float)page->height;
+        place_mesh(self, params, &rectangles[meshes[i]], &pack->places[i],
+                   &self->meshes[meshes[i]]);
     }
     air_pack_destroy(context, pack);
     air_free(context, items);
@@ -102,7 +132,8 @@ static air_status cover(air_bake_layout *self, air_bake_page *page, size_t numbe
     }
     page->parts = air_allocate(context, page->part_count, sizeof *page->parts);
     page->part_meshes = air_allocate(context, page->part_count, sizeof *page->part_meshes);
-    if (page->parts == NULL || page->part_meshes == NULL) {
+    page->positions = air_allocate(context, page->part_count, sizeof *page->positions);
+    if (page->parts == NULL || page->part_meshes == NULL || page->positions == NULL) {
         return air_fail_memory(context, "pages");
     }
     size_t count = 0;
@@ -114,8 +145,9 @@ static air_status cover(air_bake_layout *self, air_bake_page *page, size_t numbe
         page->parts[count] = part_of(self, mesh);
         page->part_meshes[count] = (uint32_t)i;
         if (mesh->sources != NULL) {
-            page->parts[count].positions = cut_positions(context, self->snapshot->meshes[i], mesh);
-            if (page->parts[count].positions == NULL) {
+            page->positions[count] = cut_positions(context, self->snapshot->meshes[i], mesh);
+            page->parts[count].positions = page->positions[count];
+            if (page->positions[count] == NULL) {
                 return air_fail_memory(context, "pages");
             }
         }
@@ -171,14 +203,10 @@ static void destroy_page(const air_bake_layout *self, air_bake_page *page)
 {
     air_context *context = self->context;
     air_coverage_destroy(context, page->coverage);
-    for (size_t i = 0; page->parts != NULL && page->part_meshes != NULL && i < page->part_count;
-         i++) {
-        const float *positions = page->parts[i].positions;
-        if (positions != NULL &&
-            positions != self->snapshot->meshes[page->part_meshes[i]]->positions) {
-            air_free(context, (void *)(uintptr_t)positions);
-        }
+    for (size_t i = 0; page->positions != NULL && i < page->part_count; i++) {
+        air_free(context, page->positions[i]);
     }
+    air_free(context, page->positions);
     air_free(context, page->parts);
     air_free(context, page->part_meshes);
 }

@@ -9,6 +9,7 @@
 typedef struct air_bake_page {
     uint32_t width, height;
     air_atlas_part *parts; /* one per mesh on the page */
+    float **positions;     /* of each part: owned where the mesh was cut, else NULL */
     uint32_t *part_meshes; /* the snapshot's mesh of each part */
     size_t part_count;
     air_coverage *coverage;

@@ -88,6 +88,14 @@ static void fill_positions(air_probe_set *out)
 
 static air_status check_positions(air_context *context, const air_probe_request *request)
 {
+    if (request->kind != AIR_PROBES_FREE) {
+        return air_fail(context, AIR_ERROR_ARGUMENT, "bake: probes \"%s\": there is no kind %d",
+                        request->name, (int)request->kind);
+    }
+    if (request->count > 0 && request->positions == NULL) {
+        return air_fail(context, AIR_ERROR_ARGUMENT, "bake: probes \"%s\": no positions",
+                        request->name);
+    }
     for (size_t i = 0; i < 3 * request->count; i++) {
         if (!isfinite(request->positions[i])) {
             return air_fail(context, AIR_ERROR_ARGUMENT,

@@ -28,11 +28,13 @@ struct air_bake_progress {
     uint32_t list; /* under way, counted from 1 */
     uint8_t *has;  /* its jobs */
     size_t resumed;
+    int error; /* errno of the first write that failed */
 };
 
-static uint32_t checksum(const float *values, size_t count)
+/* Of a job's floats and of where they belong. */
+static uint32_t checksum(uint32_t list, uint32_t job, const float *values, size_t count)
 {
-    uint32_t sum = (uint32_t)count;
+    uint32_t sum = air_hash_combine(air_hash_combine((uint32_t)count, list), job);
     for (size_t i = 0; i < count; i++) {
         uint32_t bits;
         memcpy(&bits, &values[i], sizeof bits);
@@ -41,10 +43,10 @@ static uint32_t checksum(const float *values, size_t count)
     return sum;
 }
 
-static air_status fail_write(const air_bake_progress *self)
+static air_status fail_write(const air_bake_progress *self, int error)
 {
     return air_fail(self->context, AIR_ERROR_IO, "%s: writing the bake's progress: %s", self->path,
-                    strerror(errno));
+                    strerror(error));
 }
 
 /* ---- opening ---- */
@@ -86,17 +88,19 @@ static air_status read_old(air_bake_progress *self, uint64_t fingerprint)
     if (status != AIR_OK || data == NULL) {
         return status;
     }
-    if (self->old_size < sizeof head) {
-        self->old_size = 0;
-        return AIR_OK;
-    }
-    memcpy(&head, data, sizeof head);
-    if (memcmp(head.magic, magic, sizeof magic) != 0) {
+    /* a header that was cut off is still the beginning of one */
+    const size_t known = self->old_size < sizeof magic ? self->old_size : sizeof magic;
+    if (memcmp(data, magic, known) != 0) {
         return air_fail(self->context, AIR_ERROR_FORMAT,
                         "%s: expected the progress of a bake by this version of airlight, or no "
                         "such file",
                         self->path);
     }
+    if (self->old_size < sizeof head) {
+        self->old_size = 0;
+        return AIR_OK;
+    }
+    memcpy(&head, data, sizeof head);
     if (head.fingerprint != fingerprint) {
         air_warn(self->context,
                  "%s: is the progress of another bake (the scene or an option differs): the bake "
@@ -113,20 +117,20 @@ static air_status open_file(air_bake_progress *self, uint64_t fingerprint)
     const size_t keep = self->old_size > 0 ? whole_size(self) : 0;
     self->file = fopen(self->path, keep > 0 ? "r+b" : "wb");
     if (self->file == NULL) {
-        return fail_write(self);
+        return fail_write(self, errno);
     }
     self->old_size = keep;
     if (keep > 0) {
         return ftruncate(fileno(self->file), (off_t)keep) == 0 &&
                        fseek(self->file, 0, SEEK_END) == 0
                    ? AIR_OK
-                   : fail_write(self);
+                   : fail_write(self, errno);
     }
     header head = {.fingerprint = fingerprint};
     memcpy(head.magic, magic, sizeof magic);
     return fwrite(&head, sizeof head, 1, self->file) == 1 && fflush(self->file) == 0
                ? AIR_OK
-               : fail_write(self);
+               : fail_write(self, errno);
 }
 
 air_status air_bake_progress_open(air_context *context, const char *path, uint64_t fingerprint,
@@ -210,7 +214,7 @@ air_status air_bake_progress_enter(air_bake_progress *self, air_site_list *list)
             at.floats == job_floats(list, at.job)) {
             float *records = job_records(list, at.job);
             memcpy(records, floats, at.floats * sizeof(float));
-            const bool sound = checksum(records, at.floats) == at.checksum;
+            const bool sound = checksum(at.list, at.job, records, at.floats) == at.checksum;
             self->resumed += sound && !self->has[at.job];
             self->has[at.job] = sound;
         }
@@ -231,14 +235,23 @@ air_status air_bake_progress_keep(air_bake_progress *self, const air_site_list *
     }
     const size_t floats = job_floats(list, job);
     const float *records = job_records(list, job);
-    const entry head = {self->list, (uint32_t)job, (uint32_t)floats, checksum(records, floats)};
+    const entry head = {self->list, (uint32_t)job, (uint32_t)floats,
+                        checksum(self->list, (uint32_t)job, records, floats)};
     (void)pthread_mutex_lock(&self->lock);
-    const bool written = fwrite(&head, sizeof head, 1, self->file) == 1 &&
-                         fwrite(records, sizeof *records, floats, self->file) == floats &&
-                         fflush(self->file) == 0;
-    const air_status status = written ? AIR_OK : fail_write(self);
+    if (self->error == 0) { /* nothing behind an entry that may be cut off */
+        const bool written = fwrite(&head, sizeof head, 1, self->file) == 1 &&
+                             fwrite(records, sizeof *records, floats, self->file) == floats &&
+                             fflush(self->file) == 0;
+        self->error = written ? 0 : errno != 0 ? errno : EIO;
+    }
+    const air_status status = self->error == 0 ? AIR_OK : AIR_ERROR_IO;
     (void)pthread_mutex_unlock(&self->lock);
     return status;
+}
+
+air_status air_bake_progress_fail(const air_bake_progress *self)
+{
+    return fail_write(self, self->error);
 }
 
 size_t air_bake_progress_resumed(const air_bake_progress *self)

@@ -19,9 +19,12 @@ void air_bake_progress_close(air_bake_progress *progress, bool complete);
 air_status air_bake_progress_enter(air_bake_progress *progress, air_site_list *list);
 bool air_bake_progress_has(const air_bake_progress *progress, const air_site_list *list,
                            size_t job);
-/* Appends a job that is done. Thread-safe. */
+/* Appends a job that is done. Thread-safe. AIR_ERROR_IO, without a message: the thread that began
+ * the bake gives it, by air_bake_progress_fail. */
 air_status air_bake_progress_keep(air_bake_progress *progress, const air_site_list *list,
                                   size_t job);
+/* AIR_ERROR_IO, with what the first write that failed met. */
+air_status air_bake_progress_fail(const air_bake_progress *progress);
 /* How many jobs came from the file. */
 size_t air_bake_progress_resumed(const air_bake_progress *progress);
 

@@ -100,7 +100,11 @@ static void run_job(void *user, size_t job, size_t worker)
     air_site_list *list = run->list;
     const size_t first = job * AIR_SITE_JOB;
     const size_t last = list->count - first < AIR_SITE_JOB ? list->count : first + AIR_SITE_JOB;
-    if (atomic_load(&run->status) != AIR_OK || air_bake_progress_has(run->progress, list, job)) {
+    if (atomic_load(&run->status) != AIR_OK) {
+        return;
+    }
+    if (air_bake_progress_has(run->progress, list, job)) {
+        atomic_fetch_add(&run->done, 1);
         return;
     }
     for (size_t site = first; site < last; site++) {
@@ -155,6 +159,8 @@ air_status air_sites_run(const air_path *path, air_site_list *list, air_bake_pro
         status = (air_status)atomic_load(&run.status);
         if (status == AIR_ERROR_INTERRUPTED) {
             status = air_fail(context, status, "bake: interrupted");
+        } else if (status != AIR_OK) {
+            status = air_bake_progress_fail(progress);
         }
     }
     for (size_t i = 0; run.scratch != NULL && i < workers; i++) {

@@ -135,18 +135,20 @@ static void solve(const air_vertex_sites *sites, const double *b, double *x, dou
     enum { STEPS = 30 };
     const size_t n = sites->mesh->vertex_count;
     double *r = work, *z = work + n, *p = work + 2 * n, *q = work + 3 * n;
-    double before = 1.0;
+    double before = 1.0, tolerance = 0.0;
     multiply(sites, x, q);
     memset(p, 0, n * sizeof *p);
     for (size_t i = 0; i < n; i++) {
         r[i] = b[i] - q[i];
+        /* of the right side, in the norm of what is left: 1e-14 of its square */
+        tolerance += sites->areas[i] > 0.0 ? 1e-14 * b[i] * b[i] * 6.0 / sites->areas[i] : 0.0;
     }
     for (int step = 0; step < STEPS; step++) {
         for (size_t i = 0; i < n; i++) {
             z[i] = sites->areas[i] > 0.0 ? r[i] * 6.0 / sites->areas[i] : 0.0;
         }
         const double now = dot(r, z, n);
-        if (!(now > 1e-14 * dot(b, b, n) / (1e-300 + dot(sites->areas, sites->areas, n)))) {
+        if (!(now > tolerance)) {
             return;
         }
         for (size_t i = 0; i < n; i++) {
