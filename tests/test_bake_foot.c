@@ -154,9 +154,10 @@ static void responses_fail_as_stated(void **state)
     }
 }
 
-/* Above a floor cached light is what the model of responses is not: within 4 % of all that the fog
- * brings (noise of the coarse cache here is 1.3 %), where responses are 8 to 26 % off. With a
- * reflecting floor, what it sends back counts too. */
+/* Above a floor cached light is what the model of responses is not: within 6 % of all that the fog
+ * brings, three times the noise of the coarse cache here (2 % over three seeds), where responses
+ * are 26 % off.
+ */
 static void cached_light_knows_the_floor(void **state)
 {
     static const int chosen[] = {6};
@@ -178,7 +179,7 @@ static void cached_light_knows_the_floor(void **state)
         const double truth = row->once + row->more + row->by_floor;
         print_message("x %g floor %g: %+.4f\n", (double)row->x, (double)row->floor,
                       (got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT]) / truth - 1.0);
-        if (!(fabs(got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT] - truth) < 0.04 * truth)) {
+        if (!(fabs(got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT] - truth) < 0.06 * truth)) {
             fail_msg("x %g: %.5g, expected %.5g", (double)row->x,
                      got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT], truth);
         }
