@@ -169,13 +169,13 @@ static air_light_cache_params cache_params(const baking *b)
 
 static air_status make_cache(baking *b)
 {
-    const double start = air_clock(b->context);
-    const air_light_cache_params params = cache_params(b);
-    const double work = pow(params.resolution, 3.0) * params.samples;
     if (b->params->media != AIR_BAKE_EXACT || b->snapshot->media.count == 0 ||
         b->params->max_bounces < 2) { /* one event is asked for without a cache */
         return AIR_OK;
     }
+    const double start = air_clock(b->context);
+    const air_light_cache_params params = cache_params(b);
+    const double work = pow(params.resolution, 3.0) * params.samples;
     b->work += work;
     b->done = work;
     const air_status status = air_light_cache_create(b->context, b->snapshot, b->sobol, &params,
