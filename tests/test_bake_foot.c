@@ -61,8 +61,13 @@ static void measure(const air_snapshot *snapshot, const air_sobol *sobol,
 {
     air_path path;
     assert_int_equal(air_path_init(&path, snapshot, sobol, settings), AIR_OK);
-    air_site_list list = {
-        .what = "foot", .count = 1, .draw = draw, .user = &x, .seed = 1, .samples = samples};
+    air_site_list list = {.what = "foot",
+                          .count = 1,
+                          .draw = draw,
+                          .user = &x,
+                          .seed = 1,
+                          .samples = samples,
+                          .through = samples};
     assert_int_equal(air_sites_run(&path, &list, NULL, 0.0, 1.0), AIR_OK);
     for (int layer = 0; layer < AIR_LAYER_COUNT; layer++) {
         out[layer] = (double)list.records[AIR_SITE_LIGHT + 3 * layer + 1];

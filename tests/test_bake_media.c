@@ -32,7 +32,8 @@ static air_snapshot *foggy_room(const bake_host *host, bool panel, float albedo)
 
 /* Both modes, layer by layer. Direct light and light by way of surfaces have no approximation in
  * them; nor has what one event scatters. The cached light is interpolated over cells of 0.4 m and
- * cut after band 2, which may be 2 % of what media scatter. */
+ * cut after band 2: 2.5 % of what media scatter over a bare floor of albedo 1/2, where with cells
+ * of 0.15 m 1 % is left. */
 static void compare(const bake_host *host, const air_snapshot *snapshot, uint32_t bounces,
                     uint32_t samples, double largest)
 {
@@ -57,7 +58,7 @@ static void compare(const bake_host *host, const air_snapshot *snapshot, uint32_
     for (int k = 0; k < 3; k++) {
         const double exact = tally_mean(&layers[0][k]), truth = tally_mean(&layers[1][k]);
         const double error = hypot(tally_error(&layers[0][k]), tally_error(&layers[1][k]));
-        const double slack = k == 2 && bounces > 1 ? 0.02 * truth : 1e-6;
+        const double slack = k == 2 && bounces > 1 ? 0.03 * truth : 1e-6;
         print_message("%u bounces, %s: exact %.5g, reference %.5g, %+.2f %% +- %.2f %%\n", bounces,
                       names[k], exact, truth, truth > 0.0 ? 100.0 * (exact / truth - 1.0) : 0.0,
                       truth > 0.0 ? 100.0 * error / truth : 0.0);
@@ -121,6 +122,28 @@ static double vertex_mean(const air_vertex_light *light, air_light_layer layer)
     return sum;
 }
 
+/* Irradiance on a plane that looks up, by three bands: of light from one direction that is off by
+ * 3/32 of it at most (test_bake_probes), so here by that share of the fluence. Corners of the
+ * icosahedron, at which the light is asked for, know bands to degree 5 apart; what is above is part
+ * of the bound. The 5 cm between probe and plane are 2.5 % of the way to the lamp. */
+static void assert_probe_agrees(const air_probe_set *set, int probe_index, const foot_row *row)
+{
+    const float *media = set->layers[AIR_LAYER_MEDIA] + (size_t)27 * (size_t)probe_index;
+    const float *direct = set->layers[AIR_LAYER_DIRECT] + (size_t)27 * (size_t)probe_index;
+    const double k[9] = {0.282094792, 0.488602512, 0, 0, 0, 0, -0.315391565, 0, -0.546274215};
+    double irradiance = 0.0;
+    for (int i = 0; i < 9; i++) {
+        const double factor = i == 0 ? AIR_PI : i < 4 ? 2.0 * AIR_PI / 3.0 : 0.25 * AIR_PI;
+        irradiance += factor * k[i] * (double)media[3 * i + 1];
+    }
+    const double fluence = sqrt(4.0 * AIR_PI) * (double)media[1];
+    assert_true(fluence > irradiance && fluence < 12.0 * row->media);
+    bake_assert_near("probe", irradiance, row->media, 3.0 / 32.0 * fluence + 0.03 * row->media);
+    /* of the lamp itself only what the way lets through: E = I h / r^3 T, and fluence E r / h */
+    const double x = (double)row->x, r = sqrt(x * x + 1.95 * 1.95);
+    bake_assert_near("lamp", sqrt(4.0 * AIR_PI) * (double)direct[1], exp(-0.3 * r) / (r * r), 1e-6);
+}
+
 /* Receivers of 1 cm, too small to stand in the light's way. Tables are within 0.5 % of the walks
  * (src/impulse/README.md); 4 standard errors of the walks are added. What lobes do is
  * test_impulse_lookup's matter. */
@@ -145,8 +168,18 @@ static void responses_in_endless_haze_are_the_truth(void **state)
     params.lightmaps = false;
     params.vertices = true;
     params.media = AIR_BAKE_IMPULSE;
+    float positions[3 * FOOT_ROWS] = {0.0f};
+    const air_probe_request request = {
+        .name = "feet", .kind = AIR_PROBES_FREE, .positions = positions, .count = FOOT_ROWS};
+    for (int i = 0; i < FOOT_ROWS; i++) {
+        positions[3 * i] = foot_rows[i].x;
+        positions[3 * i + 1] = 0.05f;
+    }
+    params.probes = &request;
+    params.probe_count = 1;
     air_lightmap *lightmap = bake_well(&host, snapshot, &params);
     for (int i = 0; i < FOOT_ROWS; i++) {
+        assert_probe_agrees(&lightmap->probe_sets[0], i, &foot_rows[i]);
         const foot_row *row = &foot_rows[i];
         const air_vertex_light *light = &lightmap->vertex_lights[i];
         /* over 1 cm light is off its middle's by a few 1e-5 */

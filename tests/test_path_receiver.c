@@ -50,6 +50,7 @@ static received receive(const air_snapshot *snapshot, const air_path_receiver *r
             for (uint32_t i = 0; i < AIR_PATH_LANES; i++) {
                 lanes[i].sampler = air_sampler_make(sobol, air_hash32(r + 1), s + i);
                 lanes[i].receiver = receiver;
+                lanes[i].through_weight = 1.0f;
             }
             air_path_receive(&path, scratch, lanes, AIR_PATH_LANES);
             for (uint32_t i = 0; i < AIR_PATH_LANES; i++) {

@@ -167,13 +167,13 @@ static air_light_cache_params cache_params(const baking *b)
 
 static air_status make_cache(baking *b)
 {
-    const double start = air_clock(b->context);
-    const air_light_cache_params params = cache_params(b);
-    const double work = double_max(params.budget, 64.0 * pow(params.resolution, 3.0));
     if (b->params->media != AIR_BAKE_EXACT || b->snapshot->media.count == 0 ||
         b->params->max_bounces < 2) { /* one event is asked for without a cache */
         return AIR_OK;
     }
+    const double start = air_clock(b->context);
+    const air_light_cache_params params = cache_params(b);
+    const double work = double_max(params.budget, 64.0 * pow(params.resolution, 3.0));
     b->work += work;
     b->done = work;
     const air_status status = air_light_cache_create(b->context, b->snapshot, b->sobol, &params,
@@ -223,6 +223,7 @@ static air_status run(baking *b, air_site_list *list, uint32_t purpose)
     const double begin = b->done / b->work;
     list->seed = air_hash_combine(b->seed, purpose);
     list->samples = b->params->samples;
+    list->through = (list->samples + 1) / 2;
     b->done += (double)list->count * list->samples;
     return air_sites_run(&b->path, list, b->progress, begin, b->done / b->work);
 }

@@ -302,6 +302,7 @@ static air_status fill(const air_path *path, uint32_t seed, uint32_t samples,
                           .user = g,
                           .seed = seed,
                           .samples = samples,
+                          .through = samples,
                           .coefficients = COEFFICIENTS,
                           .apart = true};
     g->points = air_allocate(context, count, sizeof *g->points);

@@ -70,6 +70,8 @@ static void sample_site(const sites_run *run, air_path_scratch *scratch, size_t 
             const float at[2] = {u[0], u[1]};
             lanes[count].receiver = &receivers[count];
             receivers[count].axis_count = 0;
+            lanes[count].through_weight =
+                s < list->through ? (float)list->samples / (float)list->through : 0.0f;
             if (list->draw(list->user, site, at, &receivers[count])) {
                 if (path->settings.respond.patch != NULL) {
                     air_gain_set_axes(&receivers[count], list->coefficients, axes[count]);

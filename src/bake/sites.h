@@ -23,6 +23,9 @@ typedef struct air_site_list {
     const void *user;
     uint32_t seed;
     uint32_t samples;
+    uint32_t
+        through; /* so many of them ask for light by one event in media (air_path_source), those
+                    with the lowest numbers: the first points of a sequence are even, too */
     uint32_t coefficients; /* of harmonics that are kept: 0, 4 or 9 */
     bool apart;            /* harmonics layer by layer, else their sum */
     float *records;        /* count * air_site_stride, set by the run */

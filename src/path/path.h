@@ -125,6 +125,7 @@ typedef struct air_path_lane {
      * media. Light asked for at the receiver itself, and light by one event between a light and the
      * receiver (air_path_source.through), likewise over their densities, are apart. */
     const air_path_receiver *receiver; /* borrowed; camera samples: not looked at */
+    float through_weight;              /* in: factor on light by one event; 0: not asked for */
     bool left;                         /* a first ray was drawn */
     air_vec3 connected, connected_dir;
     air_vec3 through, through_dir;

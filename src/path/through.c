@@ -158,7 +158,7 @@ static void ask_lamp(const air_path *path, air_path_scratch *scratch, air_path_l
     if (!detour_make(lane->receiver, &lobe, towards, u, &way)) {
         return;
     }
-    air_vec3 value = vec3_set1(way.weight / lane->through_probability);
+    air_vec3 value = vec3_set1(lane->through_weight * way.weight / lane->through_probability);
     if (!make_event(path, scratch, vertex, &way, &event, &tracked, &value) ||
         !air_light_connect(lights, light, event.at.medium.position, &connection)) {
         return;
@@ -224,7 +224,7 @@ static void ask_sky(const air_path *path, air_path_scratch *scratch, air_path_la
     const size_t i = scratch->walk_count++;
     scratch->walks[i] = vertex->walk;
     scratch->walks[i].through = true;
-    scratch->walks[i].beta = vec3_set1(1.0f / pdf);
+    scratch->walks[i].beta = vec3_set1(lane->through_weight / pdf);
     scratch->rays[i] = (air_ray){
         {origin.x, origin.y, origin.z}, 0.0f, {dir.x, dir.y, dir.z}, FLT_MAX, AIR_MASK_SCATTER};
 }
@@ -236,7 +236,7 @@ void path_ask_through(const air_path *path, air_path_scratch *scratch, air_path_
     path_walk event = vertex->walk;
     event.depth = 2;
     event.branch = 1;
-    if (path->media->count == 0 || path->settings.max_depth < 2 ||
+    if (path->media->count == 0 || path->settings.max_depth < 2 || lane->through_weight == 0.0f ||
         path_lights(path, 2, false)->count == 0) {
         return;
     }
