@@ -45,10 +45,10 @@ static void options_that_do_not_exist_are_named_with_the_nearest_one(void **stat
     static const bad_case cases[] = {
         {{"rendr", "lit.gltf"},
          2,
-         "unknown command \"rendr\" (did you mean render?); expected one of render, info"},
-        {{"bake", "lit.gltf"},
+         "unknown command \"rendr\" (did you mean render?); expected one of render, bake, info"},
+        {{"smoke", "lit.gltf"},
          2,
-         "unknown command \"bake\"; expected one of render, info, diff, merge, convert"},
+         "unknown command \"smoke\"; expected one of render, bake, info, diff, merge, convert"},
         {{"render", "lit.gltf", "--qualtiy", "draft"},
          2,
          "unknown option --qualtiy of render (did you mean --quality?)"},
