@@ -63,7 +63,7 @@ static void assert_same_bytes(const char *a, const char *b)
 static void help_of_every_command_goes_to_stdout_with_exit_code_0(void **state)
 {
     (void)state;
-    static const char *const commands[] = {"render", "info", "diff", "merge", "convert"};
+    static const char *const commands[] = {"render", "bake", "info", "diff", "merge", "convert"};
     cli_directory directory;
     cli_enter(&directory);
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {

@@ -299,23 +299,36 @@ static air_status bake_pages(baking *b)
     return status;
 }
 
+/* At least so much of a vertex' samples must be outside of solid things. */
+#define VALID_SHARE 0.5f
+
 /* What of a vertex' records is its layers' light, in order of vertices. */
 static air_status take_vertices(baking *b, const air_vertex_sites *sites, const air_site_list *list,
                                 air_vertex_light *out)
 {
-    air_status status = AIR_OK;
+    const size_t stride = air_site_stride(list);
+    uint8_t *valid = air_allocate(b->context, list->count, 1);
+    air_status status = valid == NULL ? air_fail_memory(b->context, out->name) : AIR_OK;
+    for (size_t i = 0; i < list->count && status == AIR_OK; i++) {
+        valid[i] = list->records[i * stride + AIR_SITE_VALIDITY] >= VALID_SHARE;
+    }
     for (size_t layer = 0; layer < AIR_LAYER_COUNT && status == AIR_OK; layer++) {
-        out->layers[layer] = air_allocate(b->context, list->count, 3 * sizeof(float));
-        if (out->layers[layer] == NULL) {
-            return air_fail_memory(b->context, out->name);
+        float *light = air_allocate(b->context, list->count, 3 * sizeof *light);
+        out->layers[layer] = light;
+        if (light == NULL) {
+            status = air_fail_memory(b->context, out->name);
+            break;
         }
         for (size_t i = 0; i < list->count; i++) {
-            memcpy(out->layers[layer] + 3 * i,
-                   list->records + i * air_site_stride(list) + AIR_SITE_LIGHT + 3 * layer,
-                   3 * sizeof(float));
+            memcpy(light + 3 * i, list->records + i * stride + AIR_SITE_LIGHT + 3 * layer,
+                   3 * sizeof *light);
         }
-        status = air_vertex_solve(b->context, sites, out->layers[layer]);
+        status = air_vertex_fill(b->context, sites, valid, light);
+        if (status == AIR_OK) {
+            status = air_vertex_solve(b->context, sites, light);
+        }
     }
+    air_free(b->context, valid);
     return status;
 }
 

@@ -101,6 +101,57 @@ bool air_vertex_draw(const void *user, size_t site, const float u[2], air_path_r
     return true;
 }
 
+/* ---- inside of something ---- */
+
+/* Sums of known neighbours' means, and their weights, for all vertices that are not known. */
+static void sum_neighbours(const air_vertex_sites *sites, const uint8_t *known, const float *means,
+                           double *sums)
+{
+    const air_mesh *mesh = sites->mesh;
+    memset(sums, 0, 4 * mesh->vertex_count * sizeof *sums);
+    for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
+        const size_t t = i / 3, v = mesh->indices[i];
+        for (size_t k = 1; k < 3 && !known[v]; k++) {
+            const size_t w = mesh->indices[3 * t + (i + k) % 3];
+            const double area = known[w] ? triangle_area(mesh, t) : 0.0;
+            for (size_t c = 0; c < 3; c++) {
+                sums[4 * v + c] += area * (double)means[3 * w + c];
+            }
+            sums[4 * v + 3] += area;
+        }
+    }
+}
+
+air_status air_vertex_fill(air_context *context, const air_vertex_sites *sites,
+                           const uint8_t *valid, float *means)
+{
+    enum { RINGS = 64 }; /* what lies deeper does not reach what is seen */
+    const size_t n = sites->mesh->vertex_count;
+    double *sums = air_allocate(context, n, 4 * sizeof *sums);
+    uint8_t *known = air_allocate(context, n, 1);
+    const bool complete = sums != NULL && known != NULL;
+    size_t found = complete ? n : 0;
+    if (complete) {
+        memcpy(known, valid, n);
+    }
+    for (int ring = 0; ring < RINGS && found > 0; ring++) {
+        found = 0;
+        sum_neighbours(sites, known, means, sums);
+        for (size_t i = 0; i < n; i++) {
+            if (!known[i] && sums[4 * i + 3] > 0.0) {
+                for (size_t c = 0; c < 3; c++) {
+                    means[3 * i + c] = (float)(sums[4 * i + c] / sums[4 * i + 3]);
+                }
+                known[i] = 1;
+                found++;
+            }
+        }
+    }
+    air_free(context, sums);
+    air_free(context, known);
+    return complete ? AIR_OK : air_fail_memory(context, sites->mesh->name);
+}
+
 /* ---- least squares ---- */
 
 /* out = M v for the mass matrix: a triangle of area A gives A/6 to each of its corners, A/12 to

@@ -23,6 +23,11 @@ void air_vertex_sites_finish(air_context *context, air_vertex_sites *sites);
 /* air_site_list.draw, with air_vertex_sites as user; false for vertices without triangles. */
 bool air_vertex_draw(const void *user, size_t site, const float u[2], air_path_receiver *out);
 
+/* Gives vertices inside of something (valid 0) the means of their neighbours', from the outside
+ * inwards: their darkness is nobody's, but least squares would spread it as waves. */
+air_status air_vertex_fill(air_context *context, const air_vertex_sites *sites,
+                           const uint8_t *valid, float *means);
+
 /* Turns means over hat functions (3 per vertex; `used` says which vertices have one) into values at
  * the vertices. */
 air_status air_vertex_solve(air_context *context, const air_vertex_sites *sites, float *values);
