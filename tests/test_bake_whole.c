@@ -31,7 +31,7 @@ static void radiance_in_a_furnace_is_that_of_its_walls(void **state)
         tally texels = {.count = 0}, vertices = texels, along = texels;
         tally probes[2] = {texels, texels};
         for (uint64_t seed = 0; seed < TALLY_SEEDS; seed++) {
-            air_bake_params params = bake_raw_params(16, 2.0f);
+            air_bake_params params = bake_raw_params(32, 2.0f);
             params.media = modes[m];
             params.seed = seed;
             params.cache_resolution = 4;
