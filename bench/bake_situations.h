@@ -20,20 +20,22 @@ static inline void situation_set3(float out[3], float r, float g, float b)
     out[2] = b;
 }
 
-static inline air_status situation_material(air_scene *scene, float albedo, air_handle *out)
+static inline air_status situation_material(air_scene *scene, float albedo, bool double_sided,
+                                            air_handle *out)
 {
     air_material_desc material;
     air_material_desc_default(&material);
     situation_set3(material.base_color, albedo, albedo, albedo);
     material.specular = 0.0f;
+    material.double_sided = double_sided;
     return air_scene_add_material(scene, &material, out);
 }
 
 /* A parallelogram whose front looks along u x v. */
 static inline air_status situation_quad(air_scene *scene, const char *name, air_vec3 corner,
-                                        air_vec3 u, air_vec3 v, air_handle material, bool two_sided)
+                                        air_vec3 u, air_vec3 v, air_handle material)
 {
-    static const uint32_t indices[12] = {0, 1, 2, 0, 2, 3, 0, 2, 1, 0, 3, 2};
+    static const uint32_t indices[6] = {0, 1, 2, 0, 2, 3};
     float positions[12];
     air_mesh_desc mesh;
     air_handle handle;
@@ -46,7 +48,7 @@ static inline air_status situation_quad(air_scene *scene, const char *name, air_
     mesh.positions = positions;
     mesh.vertex_count = 4;
     mesh.indices = indices;
-    mesh.triangle_count = two_sided ? 4 : 2;
+    mesh.triangle_count = 2;
     mesh.material = material;
     return air_scene_add_mesh(scene, &mesh, &handle);
 }
@@ -54,7 +56,7 @@ static inline air_status situation_quad(air_scene *scene, const char *name, air_
 static inline air_status situation_floor(air_scene *scene, float half, air_handle material)
 {
     return situation_quad(scene, "floor", vec3(-half, 0, half), vec3(2 * half, 0, 0),
-                          vec3(0, 0, -2 * half), material, false);
+                          vec3(0, 0, -2 * half), material);
 }
 
 static inline air_status situation_box_medium(air_scene *scene, air_vec3 center, air_vec3 half,
@@ -102,27 +104,27 @@ static inline air_status situation_room(air_scene *scene, float h, air_handle m)
 {
     air_status status = situation_floor(scene, h, m);
     status = status == AIR_OK ? situation_quad(scene, "ceiling", vec3(-h, 3, -h), vec3(2 * h, 0, 0),
-                                               vec3(0, 0, 2 * h), m, false)
+                                               vec3(0, 0, 2 * h), m)
                               : status;
     status = status == AIR_OK ? situation_quad(scene, "back", vec3(-h, 0, -h), vec3(2 * h, 0, 0),
-                                               vec3(0, 3, 0), m, false)
+                                               vec3(0, 3, 0), m)
                               : status;
     status = status == AIR_OK ? situation_quad(scene, "front", vec3(h, 0, h), vec3(-2 * h, 0, 0),
-                                               vec3(0, 3, 0), m, false)
+                                               vec3(0, 3, 0), m)
                               : status;
     status = status == AIR_OK ? situation_quad(scene, "left", vec3(-h, 0, h), vec3(0, 0, -2 * h),
-                                               vec3(0, 3, 0), m, false)
+                                               vec3(0, 3, 0), m)
                               : status;
-    return status == AIR_OK ? situation_quad(scene, "right", vec3(h, 0, -h), vec3(0, 0, 2 * h),
-                                             vec3(0, 3, 0), m, false)
-                            : status;
+    return status == AIR_OK
+               ? situation_quad(scene, "right", vec3(h, 0, -h), vec3(0, 0, 2 * h), vec3(0, 3, 0), m)
+               : status;
 }
 
 /* A lamp in a room, with a box of haze that ends before the walls. */
 static inline air_status make_haze_in_room(air_scene *scene)
 {
     air_handle grey;
-    air_status status = situation_material(scene, 0.6f, &grey);
+    air_status status = situation_material(scene, 0.6f, false, &grey);
     status = status == AIR_OK ? situation_room(scene, 2.5f, grey) : status;
     status = status == AIR_OK ? situation_box_medium(scene, vec3(0, 1, 0), vec3(1.8f, 1, 1.8f),
                                                      0.4f, 0.02f, 0.3f)
@@ -133,11 +135,12 @@ static inline air_status make_haze_in_room(air_scene *scene)
 /* A lamp two metres above a floor with a wall, fog below one metre. */
 static inline air_status make_ground_fog(air_scene *scene)
 {
-    air_handle grey;
-    air_status status = situation_material(scene, 0.5f, &grey);
+    air_handle grey, both;
+    air_status status = situation_material(scene, 0.5f, false, &grey);
+    status = status == AIR_OK ? situation_material(scene, 0.5f, true, &both) : status;
     status = status == AIR_OK ? situation_floor(scene, 6.0f, grey) : status;
     status = status == AIR_OK ? situation_quad(scene, "wall", vec3(-3, 0, -2), vec3(6, 0, 0),
-                                               vec3(0, 3, 0), grey, true)
+                                               vec3(0, 3, 0), both)
                               : status;
     status = status == AIR_OK
                  ? situation_box_medium(scene, vec3(0, 0.5f, 0), vec3(6, 0.5f, 6), 0.6f, 0.0f, 0.0f)
@@ -148,11 +151,12 @@ static inline air_status make_ground_fog(air_scene *scene)
 /* A slanted sun over two metres of fog, a post in it. */
 static inline air_status make_sun_over_slab(air_scene *scene)
 {
-    air_handle grey;
-    air_status status = situation_material(scene, 0.5f, &grey);
+    air_handle grey, both;
+    air_status status = situation_material(scene, 0.5f, false, &grey);
+    status = status == AIR_OK ? situation_material(scene, 0.5f, true, &both) : status;
     status = status == AIR_OK ? situation_floor(scene, 10.0f, grey) : status;
     status = status == AIR_OK ? situation_quad(scene, "post", vec3(-0.5f, 0, 0), vec3(1, 0, 0),
-                                               vec3(0, 2.5f, 0), grey, true)
+                                               vec3(0, 2.5f, 0), both)
                               : status;
     status = status == AIR_OK
                  ? situation_box_medium(scene, vec3(0, 1, 0), vec3(40, 1, 40), 0.5f, 0.0f, 0.5f)
@@ -163,11 +167,12 @@ static inline air_status make_sun_over_slab(air_scene *scene)
 /* A screen between a lamp and part of the floor, haze around all of it. */
 static inline air_status make_occluded_lamp(air_scene *scene)
 {
-    air_handle grey;
-    air_status status = situation_material(scene, 0.5f, &grey);
+    air_handle grey, both;
+    air_status status = situation_material(scene, 0.5f, false, &grey);
+    status = status == AIR_OK ? situation_material(scene, 0.5f, true, &both) : status;
     status = status == AIR_OK ? situation_floor(scene, 3.0f, grey) : status;
     status = status == AIR_OK ? situation_quad(scene, "screen", vec3(0.2f, 1, -0.5f), vec3(0, 0, 1),
-                                               vec3(1, 0, 0), grey, true)
+                                               vec3(1, 0, 0), both)
                               : status;
     status = status == AIR_OK
                  ? situation_box_medium(scene, vec3(0, 1.5f, 0), vec3(4, 1.5f, 4), 0.3f, 0.0f, 0.0f)

@@ -7,7 +7,7 @@
 #include "core/phase.h"
 #include "core/quadrature.h"
 
-enum { COEFFICIENTS = AIR_PROBE_COEFFICIENTS, BANDS = 3 };
+enum { COEFFICIENTS = AIR_PROBE_COEFFICIENTS, BANDS = 3, FLAT_RESOLUTION = 8 };
 
 /* What a point holds: straight from lights, and all else. */
 typedef struct point {
@@ -83,15 +83,17 @@ static box scene_box(const air_snapshot *snapshot)
     return b;
 }
 
-/* Cells are cubes but for rounding; `resolution` of them along the longest side. */
+/* `resolution` cells along the longest side; cubes, but layers get at least FLAT_RESOLUTION across,
+ * for that is where their light varies. */
 static void lay_out(box b, uint32_t resolution, grid *out)
 {
     const float extent[3] = {b.high.x - b.low.x, b.high.y - b.low.y, b.high.z - b.low.z};
     const float cell = box_side(b) / (float)resolution;
+    const uint32_t least = resolution < FLAT_RESOLUTION ? resolution : FLAT_RESOLUTION;
     float step[3];
     for (int k = 0; k < 3; k++) {
         const float cells = cell > 0.0f ? ceilf(extent[k] / cell - 1e-3f) : 1.0f;
-        out->size[k] = cells >= 1.0f ? (uint32_t)cells : 1;
+        out->size[k] = cells > (float)least ? (uint32_t)cells : extent[k] > 0.0f ? least : 1;
         step[k] = float_max(extent[k], 0.0f) / (float)out->size[k];
     }
     out->step = vec3(step[0], step[1], step[2]);
