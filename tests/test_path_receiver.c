@@ -183,7 +183,8 @@ static air_vec3 one(const void *user, air_vec3 position, uint32_t medium, air_ve
 
 /* Light of radiance 1 comes from everywhere, through a medium that takes nothing away: irradiance
  * pi, fluence 4 pi, whichever way directions are drawn and media are treated. */
-static void assert_furnace(void **state, const air_path_receiver *receiver, air_path_media media)
+static void assert_furnace(void **state, const air_path_receiver *receiver, air_path_media media,
+                           bool through)
 {
     air_scene *scene = path_scene(state);
     air_medium_desc medium = medium_in_box(vec3_set1(0.0f), vec3_set1(1.0f));
@@ -195,7 +196,7 @@ static void assert_furnace(void **state, const air_path_receiver *receiver, air_
     air_snapshot *snapshot = path_freeze(scene);
     air_path_settings settings = everything;
     settings.media = media;
-    settings.source = (air_path_source){one, NULL, false};
+    settings.source = (air_path_source){one, NULL, through};
     const received got = receive(snapshot, receiver, &settings, 2048);
     const double expected = receiver->sphere ? 4.0 * AIR_PI : AIR_PI;
     double total = 0.0, error = 0.0;
@@ -205,8 +206,8 @@ static void assert_furnace(void **state, const air_path_receiver *receiver, air_
     }
     /* terms are not independent, but their errors added are an upper bound */
     if (!(error < 0.005 * expected) || !(fabs(total - expected) < 4.0 * error + 1e-5 * expected)) {
-        fail_msg("furnace, media %d: %.6g +- %.2g, expected %.6g", (int)media, total, error,
-                 expected);
+        fail_msg("furnace, media %d, through %d: %.6g +- %.2g, expected %.6g", (int)media, through,
+                 total, error, expected);
     }
     air_snapshot_release(snapshot);
 }
@@ -216,13 +217,22 @@ static void receivers_in_a_furnace(void **state)
     for (int media = AIR_PATH_SCATTER; media <= AIR_PATH_GATHER; media++) {
         if (media != AIR_PATH_ATTENUATE) {
             air_path_receiver receiver = looking_up(vec3(0.3f, -0.4f, 0.1f));
-            assert_furnace(state, &receiver, (air_path_media)media);
+            assert_furnace(state, &receiver, (air_path_media)media, false);
             receiver.uniform = 0.5f;
-            assert_furnace(state, &receiver, (air_path_media)media);
+            assert_furnace(state, &receiver, (air_path_media)media, false);
             receiver.sphere = true;
-            assert_furnace(state, &receiver, (air_path_media)media);
+            assert_furnace(state, &receiver, (air_path_media)media, false);
         }
     }
+}
+
+/* What is asked for by way of one event comes by no other way, and all of it. */
+static void one_event_apart_in_a_furnace(void **state)
+{
+    air_path_receiver receiver = looking_up(vec3(0.3f, -0.4f, 0.1f));
+    assert_furnace(state, &receiver, AIR_PATH_SCATTER, true);
+    receiver.sphere = true;
+    assert_furnace(state, &receiver, AIR_PATH_SCATTER, true);
 }
 
 /* What a camera sees of a Lambertian floor is its irradiance times albedo over pi, term by term. */
@@ -263,6 +273,7 @@ int main(void)
         cmocka_unit_test(gathering_without_a_source_gives_one_event),
         cmocka_unit_test(media_attenuate_or_are_not_there),
         cmocka_unit_test(receivers_in_a_furnace),
+        cmocka_unit_test(one_event_apart_in_a_furnace),
         cmocka_unit_test(irradiance_is_what_a_camera_sees),
     };
     return cmocka_run_group_tests(tests, path_set_up, path_tear_down);

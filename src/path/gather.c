@@ -134,14 +134,15 @@ void path_draw_light(const air_path *path, const air_light_table *lights, const 
 }
 
 /* What the vertex gets through a connection if nothing is in between; combined with the chance of
- * meeting the light by a sampled direction where there is one. */
+ * meeting the light by a sampled direction where there is one: not behind an event that is asked
+ * for through media, from which nothing goes on. */
 static air_vec3 connection_value(const air_path *path, const path_vertex *vertex,
                                  const path_mixture *mixture, const air_path_receiver *receiver,
                                  const air_light_point *light, const air_connection *connection,
                                  float probability)
 {
     const uint32_t owner = path->snapshot->lights.entries[light->entry].owner;
-    const bool shared = !light->delta && path_hittable(path, light->entry);
+    const bool shared = !light->delta && !vertex->walk.through && path_hittable(path, light->entry);
     float pdf_dir = 0.0f;
     const air_vec3 f = scatter_eval(path, vertex, mixture, receiver, connection->dir, owner,
                                     shared ? &pdf_dir : NULL);
