@@ -31,8 +31,8 @@ void air_path_shares(const air_path *path, const air_ray *rays, size_t count, ui
 {
     const air_snapshot *snapshot = path->snapshot;
     memset(occluded, 0, count);
-    if (path->snapshot->accelerator != NULL && count > 0) {
-        path->rays->occluded(path->snapshot->accelerator, rays, count, occluded);
+    if (snapshot->accelerator != NULL && count > 0) {
+        path->rays->occluded(snapshot->accelerator, rays, count, occluded);
     }
     for (size_t i = 0; i < count; i++) {
         const bool alpha = snapshot->has_alpha && rays[i].mask != 0 && !occluded[i];
@@ -62,12 +62,9 @@ static air_vec3 *target_sum(air_path_lane *lane, uint32_t target)
 /* Light that media scattered on the way is there where the way is free. */
 static void add_scattered(const path_shadow *shadow, float share, air_path_lane *lane)
 {
-    if (shadow->target != PATH_TO_RECEIVER) {
-        air_vec3 *sum = &lane->terms[AIR_TERM_M2];
-        *sum = vec3_add(*sum, vec3_scale(shadow->scattered, share));
-        return;
-    }
-    lane->lit_share = share;
+    air_vec3 *sum = &lane->terms[AIR_TERM_M2];
+    *sum = vec3_add(*sum, vec3_scale(shadow->scattered, share));
+    lane->lit_share = shadow->lit ? share : lane->lit_share;
 }
 
 void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes)
@@ -91,7 +88,7 @@ void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane
             value = vec3_mul(value, tracked_transmittance(path, scratch, &lanes[shadow->lane],
                                                           ray + 1, shadow + 1));
         }
-        if (!vec3_is_zero(shadow->scattered)) {
+        if (path_responds(path)) {
             add_scattered(shadow, share, &lanes[shadow->lane]);
         }
         air_vec3 *sum = target_sum(&lanes[shadow->lane], shadow->target);
@@ -125,13 +122,13 @@ void path_intersect(const air_path *path, air_path_scratch *scratch, const air_p
                     size_t count)
 {
     const air_snapshot *snapshot = path->snapshot;
-    if (path->snapshot->accelerator == NULL) {
+    if (snapshot->accelerator == NULL) {
         for (size_t i = 0; i < count; i++) {
             scratch->hits[i].mesh = (uint32_t)AIR_NO_HIT;
         }
         return;
     }
-    path->rays->intersect(path->snapshot->accelerator, scratch->rays, count, scratch->hits);
+    path->rays->intersect(snapshot->accelerator, scratch->rays, count, scratch->hits);
     for (size_t i = 0; snapshot->has_alpha && i < count; i++) {
         const path_walk *walk = &scratch->walks[i];
         pass_transparent(path, &scratch->rays[i], &scratch->hits[i], &lanes[walk->lane].sampler,

@@ -56,12 +56,12 @@ air_vec3 path_mixture_eval(const air_path *path, const path_vertex *vertex,
 
 /* f cos (surfaces) or sigma_s times phase (media) towards wi; receivers take radiance as it is. */
 static air_vec3 scatter_eval(const air_path *path, const path_vertex *vertex,
-                             const path_mixture *mixture, const air_path_receiver *receiver,
-                             air_vec3 wi, uint32_t light_owner, float *out_pdf)
+                             const path_mixture *mixture, const air_path_lane *lane, air_vec3 wi,
+                             uint32_t light_owner, float *out_pdf)
 {
     const path_walk *walk = &vertex->walk;
     if (vertex->receives) {
-        const float pdf = air_receiver_sample_pdf(receiver, wi);
+        const float pdf = air_receiver_sample_pdf(lane->receiver, wi);
         if (out_pdf != NULL) {
             *out_pdf = pdf;
         }
@@ -137,15 +137,15 @@ void path_draw_light(const air_path *path, const air_light_table *lights, const 
  * meeting the light by a sampled direction where there is one: not behind an event that is asked
  * for through media, from which nothing goes on. */
 static air_vec3 connection_value(const air_path *path, const path_vertex *vertex,
-                                 const path_mixture *mixture, const air_path_receiver *receiver,
+                                 const path_mixture *mixture, const air_path_lane *lane,
                                  const air_light_point *light, const air_connection *connection,
                                  float probability)
 {
     const uint32_t owner = path->snapshot->lights.entries[light->entry].owner;
     const bool shared = !light->delta && !vertex->walk.through && path_hittable(path, light->entry);
     float pdf_dir = 0.0f;
-    const air_vec3 f = scatter_eval(path, vertex, mixture, receiver, connection->dir, owner,
-                                    shared ? &pdf_dir : NULL);
+    const air_vec3 f =
+        scatter_eval(path, vertex, mixture, lane, connection->dir, owner, shared ? &pdf_dir : NULL);
     const float pdf = connection->pdf * probability + pdf_dir;
     return vec3_scale(vec3_mul(vec3_mul(vertex->walk.beta, f), connection->incident),
                       vertex->light_share / pdf);
@@ -190,13 +190,12 @@ void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane 
     if (!air_light_connect(lights, light, position, &connection)) {
         return;
     }
-    path_shadow shadow = {.value = connection_value(path, vertex, mixture, lane->receiver, light,
-                                                    &connection, probability),
-                          .lane = walk->lane,
-                          .target = target_of(vertex),
-                          .stream = path_direction_set(walk),
-
-                          .distance = connection.distance};
+    path_shadow shadow = {
+        .value = connection_value(path, vertex, mixture, lane, light, &connection, probability),
+        .lane = walk->lane,
+        .target = target_of(vertex),
+        .stream = path_direction_set(walk),
+        .distance = connection.distance};
     if (vec3_is_zero(shadow.value) && !path_responds(path)) {
         return;
     }
@@ -204,12 +203,11 @@ void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane 
         lane->connected_dir = connection.dir;
     }
     if (vertex->on_surface && path_responds(path) && faces(vertex, lane, connection.dir)) {
-        shadow.scattered =
-            path_respond_light(path, scratch, vertex, light, &connection, probability, lane);
+        path_respond_light(path, scratch, vertex, light, &connection, probability, lane, &shadow);
     }
     air_ray ray = path_shadow_ray(vertex, &connection, light);
     shadow.tracked = !path_attenuate(path, scratch, &ray, connection.distance, &shadow.value);
-    if (vec3_is_zero(shadow.value) && vec3_is_zero(shadow.scattered)) {
+    if (vec3_is_zero(shadow.value) && vec3_is_zero(shadow.scattered) && !shadow.lit) {
         return;
     }
     if (!lights->entries[light->entry].casts_shadow) {

@@ -19,9 +19,9 @@ typedef enum air_path_media {
     AIR_PATH_SCATTER = 0,   /* events in them: the whole truth */
     AIR_PATH_IGNORE = 1,    /* as if there were none */
     AIR_PATH_ATTENUATE = 2, /* nothing but transmittance, and what `respond` adds */
-    AIR_PATH_GATHER = 3 /* transmittance, and light scattered towards walks that stay on surfaces,
-                               of a source that the caller knows; by one event between light and
-                               receiver it is asked for without bias (through.c) */
+    AIR_PATH_GATHER = 3     /* transmittance, and light scattered towards walks that stay on
+                               surfaces, of a source that the caller knows; by one event between
+                               light and receiver it is asked for without bias (through.c) */
 } air_path_media;
 
 /* AIR_PATH_GATHER: the light that a point of a medium scatters towards wo, over sigma_s: the
@@ -157,14 +157,14 @@ void air_path_shares(const air_path *path, const air_ray *rays, size_t count, ui
 void air_path_trace(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
                     size_t count);
 
+/* The same from receivers. Of a lane: sampler, receiver and through_weight are read. */
+void air_path_receive(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
+                      size_t count);
+
 /* Of the media between the camera and what a traced lane met (lane->hit), all of them where that
  * is nothing: in closed form, else the unbiased estimate that emission seen there is weighted by.
  */
 air_vec3 air_path_view_transmittance(const air_path *path, air_path_scratch *scratch,
                                      const air_path_lane *lane);
-
-/* The same from receivers. Of a lane: sampler and receiver are read. */
-void air_path_receive(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
-                      size_t count);
 
 #endif

@@ -50,10 +50,9 @@ static air_vec3 light_strength(const air_light_point *light, const air_connectio
     return vec3_scale(incident, d2 / float_max(cosine, 1e-6f));
 }
 
-air_vec3 path_respond_light(const air_path *path, air_path_scratch *scratch,
-                            const path_vertex *vertex, const air_light_point *light,
-                            const air_connection *connection, float probability,
-                            air_path_lane *lane)
+void path_respond_light(const air_path *path, air_path_scratch *scratch, const path_vertex *vertex,
+                        const air_light_point *light, const air_connection *connection,
+                        float probability, air_path_lane *lane, path_shadow *shadow)
 {
     const air_path_respond *respond = &path->settings.respond;
     const air_path_segment segment = {vertex->at.surface.position, connection->dir,
@@ -69,12 +68,14 @@ air_vec3 path_respond_light(const air_path *path, air_path_scratch *scratch,
         for (size_t i = 0; i < receiver->axis_count; i++) {
             lane->lit[i] = vec3_mul(lane->lit[i], strength);
         }
-        return vec3_set1(1.0f);
+        shadow->lit = true;
+        return;
     }
     const air_bsdf *bsdf = &vertex->at.surface.bsdf;
     air_vec3 irradiance;
     respond->light(respond->user, &segment, light, &bsdf->frame.n, 1, &irradiance);
     const air_vec3 throughput =
         vec3_scale(vec3_add(vertex->walk.beta, vertex->walk.scattered), 1.0f / AIR_PI_F);
-    return vec3_mul(vec3_mul(throughput, bsdf->diffuse), vec3_mul(irradiance, strength));
+    shadow->scattered =
+        vec3_mul(vec3_mul(throughput, bsdf->diffuse), vec3_mul(irradiance, strength));
 }

@@ -94,9 +94,7 @@ static bool make_event(const air_path *path, air_path_scratch *scratch, const pa
     if (media->count == 0 || media->segments[media->count - 1].t1 < way->t) {
         return false;
     }
-    event->walk = vertex->walk;
-    event->walk.depth = 2;
-    event->walk.branch = 1;
+    event->walk = path_event_walk(&vertex->walk);
     event->on_surface = false;
     event->wo = vec3_neg(way->dir);
     event->at.medium.position = vec3_madd(from, way->t, way->dir);
@@ -233,9 +231,7 @@ void path_ask_through(const air_path *path, air_path_scratch *scratch, air_path_
                       const path_vertex *vertex)
 {
     air_path_lane *lane = &lanes[vertex->walk.lane];
-    path_walk event = vertex->walk;
-    event.depth = 2;
-    event.branch = 1;
+    const path_walk event = path_event_walk(&vertex->walk);
     if (path->media->count == 0 || path->settings.max_depth < 2 || lane->through_weight == 0.0f ||
         path_lights(path, 2, false)->count == 0) {
         return;

@@ -60,6 +60,7 @@ enum { PATH_TO_RECEIVER = AIR_TERM_COUNT, PATH_THROUGH };
 typedef struct path_shadow {
     air_vec3 value;     /* what the lane gains if nothing is in between */
     air_vec3 scattered; /* with air_path_respond: likewise, of light that media scattered */
+    bool lit;           /* likewise, of a receiver, whose lane has it */
     uint32_t lane;
     uint32_t target;
     uint32_t stream; /* of random numbers, should the way be tracked */
@@ -110,13 +111,20 @@ static inline bool path_hittable(const air_path *path, uint32_t entry)
              (light->camera_visible || entry >= lights->explicit_count)));
 }
 
-/* For the way through media: where the event is. Its light is drawn by the light set of the event.
- */
-static inline uint32_t path_through_set(const path_walk *walk)
+/* A receiver's walk at its next event, in media. */
+static inline path_walk path_event_walk(const path_walk *walk)
 {
     path_walk event = *walk;
     event.depth++;
     event.branch = 1;
+    return event;
+}
+
+/* For the way through media: where the event is. Its light is drawn by the light set of the event.
+ */
+static inline uint32_t path_through_set(const path_walk *walk)
+{
+    const path_walk event = path_event_walk(walk);
     return path_direction_set(&event);
 }
 
@@ -221,12 +229,11 @@ static inline bool path_responds(const air_path *path)
  * comes back along it goes into the walk, or, of a receiver's first ray, into the lane. */
 void path_respond_patch(const air_path *path, const air_path_scratch *scratch, const air_ray *ray,
                         const air_surface *surface, float t, path_walk *walk, air_path_lane *lane);
-/* What they scatter of the light that a connection brings, over what it is multiplied by: to the
- * receiver's lane, else returned. The way is laid out in scratch->media. */
-air_vec3 path_respond_light(const air_path *path, air_path_scratch *scratch,
-                            const path_vertex *vertex, const air_light_point *light,
-                            const air_connection *connection, float probability,
-                            air_path_lane *lane);
+/* What they scatter of the light that a connection brings: of a receiver into its lane, else into
+ * the shadow. The way is laid out in scratch->media. */
+void path_respond_light(const air_path *path, air_path_scratch *scratch, const path_vertex *vertex,
+                        const air_light_point *light, const air_connection *connection,
+                        float probability, air_path_lane *lane, path_shadow *shadow);
 
 /* Asks for light at a vertex: queues at most one shadow ray. */
 void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
