@@ -53,8 +53,9 @@ typedef struct air_bake_params {
     uint32_t max_bounces; /* surface and medium events before light reaches a receiver; default
                              4294967295 (unlimited); 0: direct light only */
     air_bake_media media; /* default AIR_BAKE_EXACT */
-    /* EXACT: points of cached light along the longest side of each medium, [2, 128]; 0: chosen from
-     * the work that the bake is. Samples of each, [16, 65536]; 0: likewise. */
+    /* EXACT: points of cached light along the longest side of each medium, [2, 128]; 0: 8 to 64, so
+     * that they have about a tenth of the bake's samples. Samples of each, [16, 65536]; 0: 32 to
+     * 1024, likewise. */
     uint32_t cache_resolution, cache_samples;
     /* IMPULSE: the paper's tables, forms and rules as printed, for comparison; and how many events
      * are summed, [1, AIR_IMPULSE_BOUNCES_MAX]. */

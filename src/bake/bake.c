@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "bake/cache.h"
+#include "bake/cache_grid.h"
 #include "bake/finish.h"
 #include "bake/layout.h"
 #include "bake/probes.h"
@@ -145,18 +146,16 @@ static uint64_t fingerprint(const air_snapshot *snapshot, const air_bake_params 
     return hash;
 }
 
-/* A grid of cached light gets about a tenth of the bake's samples, within what makes sense. */
+/* Cached light gets about a tenth of the bake's samples, within what makes sense. Many points with
+ * few samples: a place is lit by all points around it, so noise depends on the samples of all
+ * together, and what cells are too large for on their number. */
 static air_light_cache_params cache_params(const baking *b)
 {
+    enum { LEAST_POINTS = 8192 };
     const double budget = 0.1 * b->work;
-    const double media = (double)b->snapshot->media.count;
-    uint32_t resolution = b->params->cache_resolution;
-    if (resolution == 0) {
-        resolution = 24;
-        while (resolution > 8 && media * pow(resolution, 3.0) * 128.0 > budget) {
-            resolution -= 2;
-        }
-    }
+    const double points = double_max(budget / AIR_CACHE_SAMPLES_LEAST, LEAST_POINTS);
+    const uint32_t asked = b->params->cache_resolution;
+    const uint32_t resolution = asked > 0 ? asked : air_cache_resolution(b->snapshot, points);
     /* a point's own event is one of those that the bake allows */
     return (air_light_cache_params){.resolution = resolution,
                                     .samples = b->params->cache_samples,

@@ -1,32 +1,16 @@
 #include "bake/cache.h"
 
-#include <stdlib.h>
-
+#include "bake/cache_sight.h"
 #include "bake/progress.h"
 #include "core/harmonics.h"
 #include "core/phase.h"
 #include "core/quadrature.h"
 
-enum { COEFFICIENTS = AIR_PROBE_COEFFICIENTS, BANDS = 3, FLAT_RESOLUTION = 8 };
+enum { COEFFICIENTS = AIR_CACHE_COEFFICIENTS, BANDS = AIR_CACHE_BANDS };
 
-/* What a point holds: straight from lights, and all else. */
-typedef struct point {
-    float lights[COEFFICIENTS][3], rest[COEFFICIENTS][3];
-    float weight; /* 0: inside of something */
-} point;
-
-/* A box of points at the centres of its cells. */
-typedef struct grid {
-    air_vec3 low, step; /* of the first point; to the next ones */
-    uint32_t size[3];
-    point *points;
-} grid;
-
-/* The grids of one medium, finest first; the last holds all that matters. */
 typedef struct medium_cache {
     float moments[BANDS]; /* of the medium's phase function: integrals of p P_l over the sphere */
-    grid *grids;
-    size_t count;
+    air_cache_grids grids;
 } medium_cache;
 
 struct air_light_cache {
@@ -34,202 +18,6 @@ struct air_light_cache {
     medium_cache *media;
     size_t count;
 };
-
-/* ---- where ---- */
-
-typedef struct box {
-    air_vec3 low, high;
-} box;
-
-static bool box_is_empty(box b)
-{
-    return !(b.low.x <= b.high.x && b.low.y <= b.high.y && b.low.z <= b.high.z);
-}
-
-static box box_add(box b, air_vec3 p)
-{
-    return (box){vec3(fminf(b.low.x, p.x), fminf(b.low.y, p.y), fminf(b.low.z, p.z)),
-                 vec3(fmaxf(b.high.x, p.x), fmaxf(b.high.y, p.y), fmaxf(b.high.z, p.z))};
-}
-
-static box box_grow(box b, float margin)
-{
-    return (box){vec3_sub(b.low, vec3_set1(margin)), vec3_add(b.high, vec3_set1(margin))};
-}
-
-static box box_cut(box a, box b)
-{
-    return (box){
-        vec3(fmaxf(a.low.x, b.low.x), fmaxf(a.low.y, b.low.y), fmaxf(a.low.z, b.low.z)),
-        vec3(fminf(a.high.x, b.high.x), fminf(a.high.y, b.high.y), fminf(a.high.z, b.high.z))};
-}
-
-static float box_side(box b)
-{
-    return float_max(b.high.x - b.low.x, float_max(b.high.y - b.low.y, b.high.z - b.low.z));
-}
-
-/* Surfaces and lamps. */
-static box scene_box(const air_snapshot *snapshot)
-{
-    box b = {vec3_load(snapshot->bounds_min), vec3_load(snapshot->bounds_max)};
-    for (size_t i = 0; i < snapshot->lights.explicit_count; i++) {
-        const air_light *light = &snapshot->lights.entries[i];
-        if (light->kind == AIR_LIGHT_POINT || light->kind == AIR_LIGHT_SPOT) {
-            b = box_is_empty(b) ? (box){light->position, light->position}
-                                : box_add(b, light->position);
-        }
-    }
-    return b;
-}
-
-/* `resolution` cells along the longest side; cubes, but layers get at least FLAT_RESOLUTION across,
- * for that is where their light varies. */
-static void lay_out(box b, uint32_t resolution, grid *out)
-{
-    const float extent[3] = {b.high.x - b.low.x, b.high.y - b.low.y, b.high.z - b.low.z};
-    const float cell = box_side(b) / (float)resolution;
-    const uint32_t least = resolution < FLAT_RESOLUTION ? resolution : FLAT_RESOLUTION;
-    float step[3];
-    for (int k = 0; k < 3; k++) {
-        const float cells = cell > 0.0f ? ceilf(extent[k] / cell - 1e-3f) : 1.0f;
-        out->size[k] = cells > (float)least ? (uint32_t)cells : extent[k] > 0.0f ? least : 1;
-        step[k] = float_max(extent[k], 0.0f) / (float)out->size[k];
-    }
-    out->step = vec3(step[0], step[1], step[2]);
-    out->low = vec3_madd(b.low, 0.5f, out->step);
-}
-
-static size_t point_count(const grid *g) { return (size_t)g->size[0] * g->size[1] * g->size[2]; }
-
-static float cell_of(const grid *g)
-{
-    return float_max(g->step.x, float_max(g->step.y, g->step.z));
-}
-
-/* A lamp's centre and reach. False for what has none. */
-static bool lamp_of(const air_light *light, air_vec3 *out_center, float *out_radius)
-{
-    *out_center = light->position;
-    *out_radius = 0.0f;
-    if (light->kind == AIR_LIGHT_POINT || light->kind == AIR_LIGHT_SPOT) {
-        return true;
-    }
-    if (light->kind != AIR_LIGHT_POLYGON || light->vertex_count == 0) {
-        return false;
-    }
-    air_vec3 sum = vec3_set1(0.0f);
-    for (size_t i = 0; i < light->vertex_count; i++) {
-        sum = vec3_add(sum, light->vertices[i]);
-    }
-    *out_center = vec3_scale(sum, 1.0f / (float)light->vertex_count);
-    *out_radius = sqrtf(light->area);
-    return true;
-}
-
-enum { MOST_GRIDS = 10, LAMP_RESOLUTION = 16, FAR_RESOLUTION = 8 };
-
-/* Is the point well inside of a grid whose cells are no larger? */
-static bool has_finer(const medium_cache *m, air_vec3 p, float cell)
-{
-    for (size_t i = 0; i < m->count; i++) {
-        const grid *g = &m->grids[i];
-        const air_vec3 d = vec3_sub(p, g->low);
-        const float reach[3] = {g->step.x * (float)g->size[0], g->step.y * (float)g->size[1],
-                                g->step.z * (float)g->size[2]};
-        const float at[3] = {d.x, d.y, d.z};
-        bool inside = cell_of(g) <= cell * 1.01f;
-        for (int k = 0; k < 3; k++) {
-            inside = inside && at[k] > 0.25f * reach[k] && at[k] < 0.75f * reach[k];
-        }
-        if (inside) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* About a lamp light varies over distances in proportion to the distance from it: boxes, each half
- * as large as the one before, until cells are a third of the mean free path or of the way to the
- * nearest wall, or of the lamp's own size. */
-static void add_lamp(const air_medium *medium, box bounds, air_vec3 center, float radius,
-                     float wall, medium_cache *m)
-{
-    const float extinction = vec3_max(medium->sigma_t);
-    const float path = extinction > 0.0f ? 1.0f / extinction : INFINITY;
-    const float finest = float_max(float_min(path, wall), radius) * (1.0f / 3.0f);
-    for (float half = 0.25f * box_side(bounds);
-         m->count < MOST_GRIDS - 2 && 2.0f * half / LAMP_RESOLUTION > 0.5f * finest; half *= 0.5f) {
-        const box b = box_cut(box_grow((box){center, center}, half), bounds);
-        grid *g = &m->grids[m->count];
-        if (box_is_empty(b) || !(box_side(b) > 0.0f)) {
-            return;
-        }
-        if (!has_finer(m, center, box_side(b) / LAMP_RESOLUTION)) {
-            lay_out(b, LAMP_RESOLUTION, g);
-            m->count++;
-        }
-    }
-}
-
-/* The distance from a lamp to the nearest surface, by some rays. */
-static float wall_distance(const air_snapshot *snapshot, air_vec3 from)
-{
-    const air_ray_backend *rays = air_context_ray_backend(snapshot->context);
-    float nearest = INFINITY;
-    for (int i = 0; i < 26 && snapshot->accelerator != NULL; i++) {
-        const int k = i < 13 ? i : i + 1;
-        const air_vec3 dir =
-            vec3_normalize(vec3((float)(k % 3 - 1), (float)(k / 3 % 3 - 1), (float)(k / 9 - 1)));
-        const air_ray ray = {
-            {from.x, from.y, from.z}, 1e-3f, {dir.x, dir.y, dir.z}, 3e38f, AIR_MASK_SCATTER};
-        air_hit hit;
-        rays->intersect(snapshot->accelerator, &ray, 1, &hit);
-        if (hit.mesh != (uint32_t)AIR_NO_HIT && hit.t > 1e-2f) {
-            nearest = float_min(nearest, hit.t);
-        }
-    }
-    return nearest;
-}
-
-static int by_cell(const void *a, const void *b)
-{
-    const float x = cell_of(a), y = cell_of(b);
-    return x < y ? -1 : x > y;
-}
-
-/* Grids of one medium: the scene; boxes about lamps; and, for media that reach beyond the scene by
- * more than it is large, what lies within four mean free paths of it. */
-static void place_grids(const air_snapshot *snapshot, const air_medium *medium, uint32_t resolution,
-                        medium_cache *m)
-{
-    const float extinction = vec3_max(medium->sigma_t);
-    const float path = extinction > 0.0f ? 1.0f / extinction : 0.0f;
-    box scene = scene_box(snapshot);
-    if (box_is_empty(scene)) {
-        scene = (box){vec3_set1(-path), vec3_set1(path)};
-    }
-    const float side = float_max(box_side(scene), 1e-3f * path);
-    const box medium_box = {vec3_load(medium->bounds_min), vec3_load(medium->bounds_max)};
-    const float margin = float_min(0.25f * side, 2.0f * path) + 1e-3f * path;
-    const box near = box_cut(box_grow(scene, margin), medium_box);
-    const box far = box_cut(box_grow(scene, 4.0f * path), medium_box);
-    if (box_is_empty(near)) {
-        return; /* nothing of it is near anything */
-    }
-    lay_out(near, resolution, &m->grids[m->count++]);
-    for (size_t i = 0; i < snapshot->lights.count; i++) {
-        air_vec3 center;
-        float radius;
-        if (lamp_of(&snapshot->lights.entries[i], &center, &radius)) {
-            add_lamp(medium, far, center, radius, wall_distance(snapshot, center), m);
-        }
-    }
-    if (box_side(far) > 1.5f * box_side(near)) {
-        lay_out(far, FAR_RESOLUTION, &m->grids[m->count++]);
-    }
-    qsort(m->grids, m->count, sizeof *m->grids, by_cell);
-}
 
 /* Integrals of p P_l over the sphere: what scattering leaves of band l. Sharp lobes want nodes near
  * the peak: cos = 1 - 2 s^4 puts them there, and 64 of them integrate g = 0.97 to 1e-6. */
@@ -258,28 +46,33 @@ static void phase_moments(const air_phase *phase, float out[BANDS])
 
 /* ---- filling ---- */
 
+/* Places of a cell that its point sees. Of a place that it does not see the one across is taken, so
+ * that the middle stays where it is, or else the point itself. */
 static bool draw_point(const void *user, size_t site, const float u[2], air_path_receiver *out)
 {
-    const grid *g = user;
+    const air_cache_grid *g = user;
     const size_t x = site % g->size[0], y = site / g->size[0] % g->size[1];
     const size_t z = site / ((size_t)g->size[0] * g->size[1]);
     /* a third number from the two: they are multiples of 2^-24, whose low bits are as good */
     const uint32_t bits = air_hash_combine((uint32_t)(u[0] * 0x1p24f), (uint32_t)(u[1] * 0x1p24f));
-    const float w = air_uint_to_float(bits);
-    out->sphere = true;
-    out->uniform = 0.0f;
-    out->offset = 0.0f;
-    out->normal = out->geometric = vec3_set1(0.0f);
-    out->position = vec3(g->low.x + ((float)x + u[0] - 0.5f) * g->step.x,
-                         g->low.y + ((float)y + u[1] - 0.5f) * g->step.y,
-                         g->low.z + ((float)z + w - 0.5f) * g->step.z);
+    const air_vec3 center = vec3(g->low.x + (float)x * g->step.x, g->low.y + (float)y * g->step.y,
+                                 g->low.z + (float)z * g->step.z);
+    const air_vec3 offset =
+        vec3_mul(vec3(u[0] - 0.5f, u[1] - 0.5f, air_uint_to_float(bits) - 0.5f), g->step);
+    *out = (air_path_receiver){.position = vec3_add(center, offset), .sphere = true};
+    if (!air_cache_sees_own(g, out->position)) {
+        out->position = vec3_sub(center, offset);
+    }
+    if (!air_cache_sees_own(g, out->position)) {
+        out->position = center;
+    }
     return true;
 }
 
 /* At least half of the cell must be open. */
 #define OPEN_SHARE 0.5f
 
-static void take_record(const float *record, point *out)
+static void take_record(const float *record, air_cache_point *out)
 {
     const float *harmonics = record + AIR_SITE_HARMONICS;
     out->weight = record[AIR_SITE_VALIDITY] >= OPEN_SHARE ? 1.0f : 0.0f;
@@ -294,10 +87,10 @@ static void take_record(const float *record, point *out)
 }
 
 static air_status fill(const air_path *path, uint32_t seed, uint32_t samples,
-                       air_bake_progress *progress, double begin, double end, grid *g)
+                       air_bake_progress *progress, double begin, double end, air_cache_grid *g)
 {
     air_context *context = path->snapshot->context;
-    const size_t count = point_count(g);
+    const size_t count = air_cache_point_count(g);
     air_site_list list = {.what = "light in media",
                           .count = count,
                           .draw = draw_point,
@@ -320,24 +113,25 @@ static air_status fill(const air_path *path, uint32_t seed, uint32_t samples,
 static air_status place_all(air_light_cache *self, const air_snapshot *snapshot,
                             uint32_t resolution)
 {
-    for (size_t i = 0; i < snapshot->media.count; i++) {
+    air_status status = AIR_OK;
+    for (size_t i = 0; i < snapshot->media.count && status == AIR_OK; i++) {
+        const air_medium *medium = &snapshot->media.media[i];
         medium_cache *m = &self->media[self->count++];
-        m->grids = air_allocate(self->context, MOST_GRIDS, sizeof *m->grids);
-        if (m->grids == NULL) {
-            return air_fail_memory(self->context, "light in media");
+        phase_moments(&medium->phase, m->moments);
+        status = air_cache_grids_place(self->context, snapshot, medium, resolution, &m->grids);
+        for (size_t k = 0; k < m->grids.count && status == AIR_OK; k++) {
+            status = air_cache_sight_make(self->context, snapshot, &m->grids.grids[k]);
         }
-        place_grids(snapshot, &snapshot->media.media[i], resolution, m);
-        phase_moments(&snapshot->media.media[i].phase, m->moments);
     }
-    return AIR_OK;
+    return status;
 }
 
 static size_t all_points(const air_light_cache *self)
 {
     size_t count = 0;
     for (size_t i = 0; i < self->count; i++) {
-        for (size_t k = 0; k < self->media[i].count; k++) {
-            count += point_count(&self->media[i].grids[k]);
+        for (size_t k = 0; k < self->media[i].grids.count; k++) {
+            count += air_cache_point_count(&self->media[i].grids.grids[k]);
         }
     }
     return count;
@@ -345,12 +139,13 @@ static size_t all_points(const air_light_cache *self)
 
 static uint32_t samples_of(const air_light_cache_params *params, size_t points)
 {
-    enum { LEAST = 64, MOST = 1024 };
     const double each = params->budget / double_max((double)points, 1.0);
     if (params->samples > 0) {
         return params->samples;
     }
-    return each < LEAST ? LEAST : each > MOST ? MOST : (uint32_t)each / 16 * 16;
+    return each < AIR_CACHE_SAMPLES_LEAST  ? AIR_CACHE_SAMPLES_LEAST
+           : each > AIR_CACHE_SAMPLES_MOST ? AIR_CACHE_SAMPLES_MOST
+                                           : (uint32_t)each / 16 * 16;
 }
 
 static air_status fill_all(air_light_cache *self, const air_path *path,
@@ -363,10 +158,10 @@ static air_status fill_all(air_light_cache *self, const air_path *path,
     uint32_t number = 0;
     air_status status = AIR_OK;
     for (size_t i = 0; i < self->count; i++) {
-        for (size_t k = 0; k < self->media[i].count && status == AIR_OK; k++) {
-            grid *g = &self->media[i].grids[k];
+        for (size_t k = 0; k < self->media[i].grids.count && status == AIR_OK; k++) {
+            air_cache_grid *g = &self->media[i].grids.grids[k];
             const double begin = share * (double)done;
-            done += point_count(g);
+            done += air_cache_point_count(g);
             status = fill(path, air_hash_combine(params->seed, 0xcac4e000u + number++), samples,
                           progress, begin, share * (double)done, g);
         }
@@ -412,10 +207,7 @@ void air_light_cache_destroy(air_light_cache *self)
         return;
     }
     for (size_t i = 0; i < self->count; i++) {
-        for (size_t k = 0; k < self->media[i].count; k++) {
-            air_free(self->context, self->media[i].grids[k].points);
-        }
-        air_free(self->context, self->media[i].grids);
+        air_cache_grids_finish(self->context, &self->media[i].grids);
     }
     air_free(self->context, self->media);
     air_free(self->context, self);
@@ -423,25 +215,14 @@ void air_light_cache_destroy(air_light_cache *self)
 
 size_t air_light_cache_bytes(const air_light_cache *self)
 {
-    return all_points(self) * sizeof(point);
+    return all_points(self) * sizeof(air_cache_point);
 }
 
 /* ---- looking up ---- */
 
-/* The lower neighbour along one axis and the share of the upper one. */
-static uint32_t neighbour(float at, float low, float step, uint32_t size, float *out_share)
-{
-    const float x = step > 0.0f ? (at - low) / step : 0.0f;
-    const float last = (float)(size - 1);
-    const float inside = float_min(float_max(x, 0.0f), last);
-    const uint32_t cell = (uint32_t)inside;
-    *out_share = cell + 1 < size ? inside - (float)cell : 0.0f;
-    return cell;
-}
-
 /* Adds weight times what the point scatters along factors. */
-static void add_point(const point *p, float weight, const float factors[COEFFICIENTS], bool lights,
-                      float sum[3])
+static void add_point(const air_cache_point *p, float weight, const float factors[COEFFICIENTS],
+                      bool lights, float sum[3])
 {
     for (int c = 0; c < 3; c++) {
         float value = 0.0f;
@@ -453,7 +234,7 @@ static void add_point(const point *p, float weight, const float factors[COEFFICI
 }
 
 /* How deep a point lies inside of a grid: 0 at its border, 1 from one cell on. */
-static float inside_share(const grid *g, air_vec3 p)
+static float inside_share(const air_cache_grid *g, air_vec3 p)
 {
     const float at[3] = {p.x - g->low.x, p.y - g->low.y, p.z - g->low.z};
     const float step[3] = {g->step.x, g->step.y, g->step.z};
@@ -466,27 +247,42 @@ static float inside_share(const grid *g, air_vec3 p)
     return float_max(share, 0.0f);
 }
 
-/* What one grid says, with the weights of points that are inside of something left out; returns the
- * weight of the others. */
-static float look_up(const grid *g, air_vec3 position, const float factors[COEFFICIENTS],
-                     bool lights, float sum[3])
+/* What the points around a place say, of those that it sees and that are not inside of something;
+ * returns their weight. */
+static float look_up(const air_cache_grid *g, const air_cache_place *at, unsigned sees,
+                     const float factors[COEFFICIENTS], bool lights, float sum[3])
 {
-    float share[3], total = 0.0f;
-    const uint32_t x = neighbour(position.x, g->low.x, g->step.x, g->size[0], &share[0]);
-    const uint32_t y = neighbour(position.y, g->low.y, g->step.y, g->size[1], &share[1]);
-    const uint32_t z = neighbour(position.z, g->low.z, g->step.z, g->size[2], &share[2]);
-    for (uint32_t corner = 0; corner < 8; corner++) {
-        const uint32_t dx = corner & 1u, dy = corner >> 1 & 1u, dz = corner >> 2;
-        const float weight = (dx ? share[0] : 1.0f - share[0]) * (dy ? share[1] : 1.0f - share[1]) *
-                             (dz ? share[2] : 1.0f - share[2]);
+    float total = 0.0f;
+    for (unsigned corner = 0; corner < 8; corner++) {
+        const unsigned d[3] = {corner & 1u, corner >> 1 & 1u, corner >> 2};
+        uint32_t p[3];
+        float weight = (float)(sees >> corner & 1u);
+        for (int k = 0; k < 3; k++) {
+            p[k] = d[k] ? at->upper[k] : at->lower[k];
+            weight *= d[k] ? at->share[k] : 1.0f - at->share[k];
+        }
         if (weight > 0.0f) {
-            const size_t at = ((size_t)(z + dz) * g->size[1] + y + dy) * g->size[0] + x + dx;
-            const point *p = &g->points[at];
-            add_point(p, weight * p->weight, factors, lights, sum);
-            total += weight * p->weight;
+            const air_cache_point *point = &g->points[air_cache_index(g, p[0], p[1], p[2])];
+            add_point(point, weight * point->weight, factors, lights, sum);
+            total += weight * point->weight;
         }
     }
     return total;
+}
+
+/* What one grid says. Places that see none of their points ask all of them. */
+static air_vec3 look_up_grid(const air_cache_grid *g, air_vec3 position,
+                             const float factors[COEFFICIENTS], bool lights)
+{
+    const air_cache_place at = air_cache_locate(g, position);
+    float sum[3] = {0.0f, 0.0f, 0.0f};
+    float weight = look_up(g, &at, at.sees, factors, lights, sum);
+    if (weight <= 0.0f) {
+        weight = look_up(g, &at, 0xff, factors, lights, sum);
+    }
+    const float scale = weight > 0.0f ? 1.0f / weight : 0.0f;
+    return vec3(scale * float_max(sum[0], 0.0f), scale * float_max(sum[1], 0.0f),
+                scale * float_max(sum[2], 0.0f));
 }
 
 air_vec3 air_light_cache_scattered(const void *cache, air_vec3 position, uint32_t medium,
@@ -495,22 +291,20 @@ air_vec3 air_light_cache_scattered(const void *cache, air_vec3 position, uint32_
     const air_light_cache *self = cache;
     const medium_cache *m = &self->media[medium];
     const float from[3] = {-wo.x, -wo.y, -wo.z};
-    float factors[COEFFICIENTS], sum[3] = {0.0f, 0.0f, 0.0f}, rest = 1.0f;
+    float factors[COEFFICIENTS], rest = 1.0f;
+    air_vec3 sum = vec3_set1(0.0f);
     air_sh_evaluate_3(from, factors);
     for (int i = 0; i < COEFFICIENTS; i++) {
         factors[i] *= m->moments[i == 0 ? 0 : i < 4 ? 1 : 2];
     }
-    for (size_t k = 0; k < m->count && rest > 0.0f; k++) {
-        const float share = k + 1 < m->count ? inside_share(&m->grids[k], position) : 1.0f;
-        float value[3] = {0.0f, 0.0f, 0.0f};
+    for (size_t k = 0; k < m->grids.count && rest > 0.0f; k++) {
+        const air_cache_grid *g = &m->grids.grids[k];
+        const float share = k + 1 < m->grids.count ? inside_share(g, position) : 1.0f;
         if (share > 0.0f) {
-            const float weight = look_up(&m->grids[k], position, factors, lights, value);
-            const float scale = weight > 0.0f ? rest * share / weight : 0.0f;
-            for (int c = 0; c < 3; c++) {
-                sum[c] += scale * float_max(value[c], 0.0f);
-            }
-            rest *= 1.0f - share;
+            const float used = rest * float_min(share, 1.0f);
+            sum = vec3_madd(sum, used, look_up_grid(g, position, factors, lights));
+            rest -= used;
         }
     }
-    return vec3(sum[0], sum[1], sum[2]);
+    return sum;
 }

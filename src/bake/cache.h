@@ -11,9 +11,11 @@
 
 typedef struct air_light_cache air_light_cache;
 
+enum { AIR_CACHE_SAMPLES_LEAST = 32, AIR_CACHE_SAMPLES_MOST = 1024 };
+
 typedef struct air_light_cache_params {
     uint32_t resolution; /* points along the longest side of a medium, >= 2 */
-    uint32_t samples;    /* of each point; 0: 64 to 1024, as the budget has them */
+    uint32_t samples;    /* of each point; 0: 32 to 1024, as the budget has them */
     double budget;       /* samples of all points together */
     uint32_t max_depth;  /* events, the point's own counted */
     uint32_t seed;
