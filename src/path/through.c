@@ -14,43 +14,66 @@
 
 /* ---- how far light turns ---- */
 
-/* The density of v in (0, pi): in proportion to v, as even points (theta, v) of the triangle 0 <
- * theta < v are, and for media that scatter forward in part to v / (a^2 + v^2)^(3/2), which follows
- * v times Henyey and Greenstein's lobe with a = (1 - g) / sqrt(g). */
+/* Densities h of (theta, v) in the triangle 0 < theta < v < pi: even, and for media that scatter
+ * forward in part as 1 / (a^2 + v^2)^(3/2), which follows Henyey and Greenstein's lobe with a = (1
+ * - g) / sqrt(g). Its integral over v is q(v) = v / sqrt(a^2 + v^2), but for a factor. */
 typedef struct turn {
-    float share, a, inverse_a, inverse_far; /* of the second; 1 / sqrt(a^2 + pi^2) */
+    float even, lobe; /* factors of the two densities */
+    float a, share;   /* share: of points drawn by the lobe */
 } turn;
 
 static turn turn_make(const air_path *path)
 {
+    const float plain = 2.0f / (AIR_PI_F * AIR_PI_F);
     float g = 0.0f;
     for (size_t i = 0; i < path->media->count; i++) {
         const air_phase *phase = &path->media->media[i].phase;
         g = float_max(g, phase->kind == AIR_PHASE_HG ? phase->g : 0.0f);
     }
     if (g < 0.2f) {
-        return (turn){.share = 0.0f};
+        return (turn){plain, 0.0f, 1.0f, 0.0f};
     }
-    const float a = (1.0f - g) / sqrtf(g);
-    return (turn){0.75f, a, 1.0f / a, 1.0f / sqrtf(a * a + AIR_PI_F * AIR_PI_F)};
+    const float a = (1.0f - g) / sqrtf(g), share = 0.75f;
+    const float whole = 1.0f / a - 1.0f / sqrtf(a * a + AIR_PI_F * AIR_PI_F);
+    return (turn){(1.0f - share) * plain, share / whole, a, share};
 }
 
-/* u in [0, 1): v, and its density over v. */
-static float turn_sample(const turn *t, float u, float *out_density)
+static float turn_lobe_integral(const turn *t, float v)
 {
-    const float even = 2.0f / (AIR_PI_F * AIR_PI_F);
-    float v;
+    return v / (t->a * t->a * sqrtf(t->a * t->a + v * v));
+}
+
+/* u in [0, 1) twice: theta, which is even below a v drawn by v h. */
+static float turn_sample_theta(const turn *t, float u, float below)
+{
     if (u < t->share) {
-        const float y = t->inverse_a - u / t->share * (t->inverse_a - t->inverse_far);
-        v = sqrtf(float_max(1.0f / (y * y) - t->a * t->a, 0.0f));
+        const float y = 1.0f / t->a - u / t->lobe;
+        return below * sqrtf(float_max(1.0f / (y * y) - t->a * t->a, 0.0f));
+    }
+    return below * AIR_PI_F * sqrtf((u - t->share) / (1.0f - t->share));
+}
+
+/* v between two bounds, in proportion to h. *out_weight: over how densely theta and v lie there,
+ * where theta was drawn as above. */
+static float turn_sample_v(const turn *t, float u, float theta, float v0, float v1,
+                           float *out_weight)
+{
+    const float q0 = turn_lobe_integral(t, v0), q1 = turn_lobe_integral(t, v1);
+    const float even = t->even * (v1 - v0), lobe = t->lobe * (q1 - q0), at = u * (even + lobe);
+    const float of_theta =
+        t->even * (AIR_PI_F - theta) +
+        t->lobe * (turn_lobe_integral(t, AIR_PI_F) - turn_lobe_integral(t, theta));
+    float v;
+    if (at < lobe) {
+        const float w = (q0 + (q1 - q0) * at / lobe) * t->a * t->a;
+        v = t->a * w / sqrtf(float_max(1.0f - w * w, 1e-9f));
     } else {
-        v = AIR_PI_F * sqrtf((u - t->share) / (1.0f - t->share));
+        v = v0 + (v1 - v0) * (at - lobe) / even;
     }
-    *out_density = (1.0f - t->share) * even;
-    if (t->share > 0.0f) {
-        const float d2 = t->a * t->a + v * v;
-        *out_density += t->share / (d2 * sqrtf(d2) * (t->inverse_a - t->inverse_far));
-    }
+    v = float_min(float_max(v, v0), v1);
+    const float d2 = t->a * t->a + v * v;
+    const float h = t->even + (t->lobe > 0.0f ? t->lobe / (d2 * sqrtf(d2)) : 0.0f);
+    *out_weight = (even + lobe) / (of_theta * h);
     return v;
 }
 
@@ -63,45 +86,66 @@ typedef struct detour {
     float weight; /* 1 over the density of the event, with 1 / (t^2 r^2) taken away */
 } detour;
 
-/* False if no light comes that way. */
-static bool detour_make(const air_path_receiver *receiver, const turn *lobe, air_vec3 towards,
-                        air_f32x4 u, detour *out)
+/* How light turns that goes over a distance t along theta. */
+static float turn_at(float theta, float t, float distance)
 {
+    return theta + atan2f(t * sinf(theta), distance - t * cosf(theta));
+}
+
+/* A way over a place in media: theta and phi, and then v between where media begin and end along
+ * this ray, which is left in *media. False if no light comes that way. */
+static bool detour_make(const air_path *path, const air_path_receiver *receiver, air_vec3 from,
+                        air_vec3 towards, air_f32x4 u, air_ray_media *media, detour *out)
+{
+    const turn lobe = turn_make(path);
     const float distance = vec3_length(towards);
-    float density; /* of v over v: theta is even in (0, v) */
-    const float v = turn_sample(lobe, u[0], &density), theta = u[1] * v;
-    const float sine = sinf(v), phi = 2.0f * AIR_PI_F * u[2], s = sinf(theta);
-    if (!(distance > 0.0f) || !(sine > 1e-6f)) {
+    const float theta = turn_sample_theta(&lobe, u[0], u[1]);
+    const float phi = 2.0f * AIR_PI_F * u[2], s = sinf(theta);
+    if (!(distance > 0.0f)) {
         return false;
     }
     const air_frame frame = frame_from_normal(vec3_scale(towards, 1.0f / distance));
     out->dir = frame_to_world(&frame, vec3(s * cosf(phi), s * sinf(phi), cosf(theta)));
+    if (!(air_receiver_sample_pdf(receiver, out->dir) > 0.0f)) {
+        return false;
+    }
+    air_ray_media_make(media, path->media, from, out->dir, INFINITY);
+    if (media->count == 0) {
+        return false;
+    }
+    const float v0 = turn_at(theta, media->segments[0].t0, distance);
+    const float v1 =
+        float_min(turn_at(theta, media->segments[media->count - 1].t1, distance), AIR_PI_F);
+    if (!(v1 > v0)) {
+        return false;
+    }
+    float weight;
+    const float v = turn_sample_v(&lobe, u[3], theta, v0, v1, &weight), sine = sinf(v);
     out->t = distance * sinf(v - theta) / sine;
     out->r = distance * s / sine;
-    out->weight = 2.0f * AIR_PI_F / (density * distance);
-    return air_receiver_sample_pdf(receiver, out->dir) > 0.0f && out->t > 0.0f &&
-           out->t < 1e6f * distance;
+    out->weight = 2.0f * AIR_PI_F * weight / distance;
+    return sine > 1e-6f && out->t > 0.0f && out->t < 1e6f * distance;
 }
 
 /* Makes the event; false if no medium is there. The transmittance on the way multiplies *value
  * where it is closed. */
-static bool make_event(const air_path *path, air_path_scratch *scratch, const path_vertex *vertex,
-                       const detour *way, path_vertex *event, bool *out_tracked, air_vec3 *value)
+static bool make_event(const air_ray_media *media, const path_vertex *vertex, const detour *way,
+                       path_vertex *event, bool *out_tracked, air_vec3 *value)
 {
-    air_ray_media *media = &scratch->media;
-    const air_vec3 from = vertex->at.surface.position;
-    air_ray_media_make(media, path->media, from, way->dir, way->t);
-    if (media->count == 0 || media->segments[media->count - 1].t1 < way->t) {
+    const size_t segment = air_ray_media_find(media, way->t);
+    if (segment == media->count) {
         return false;
     }
     event->walk = path_event_walk(&vertex->walk);
     event->on_surface = false;
     event->wo = vec3_neg(way->dir);
-    event->at.medium.position = vec3_madd(from, way->t, way->dir);
-    event->at.medium.regions = media->segments[media->count - 1].regions;
+    event->at.medium.position = vec3_madd(vertex->at.surface.position, way->t, way->dir);
+    event->at.medium.regions = media->segments[segment].regions;
     *out_tracked = !media->closed;
     if (media->closed) {
-        *value = vec3_mul(*value, media->transmittance);
+        const air_vec3 depth =
+            air_ray_media_segment_depth(media, &media->segments[segment], way->t);
+        *value = vec3_mul(*value, vec3_exp(vec3_neg(depth)));
     }
     return true;
 }
@@ -146,18 +190,17 @@ static void ask_lamp(const air_path *path, air_path_scratch *scratch, air_path_l
 {
     const air_light_table *lights = path_lights(path, 2, false);
     const air_light_point *light = &lane->through_light;
-    const air_vec3 towards = vec3_sub(light->position, vertex->at.surface.position);
+    const air_vec3 from = vertex->at.surface.position, towards = vec3_sub(light->position, from);
     const air_f32x4 u = air_sampler_get(&lane->sampler, path_through_set(&vertex->walk));
-    const turn lobe = turn_make(path);
     detour way;
     path_vertex event;
     air_connection connection;
     bool tracked;
-    if (!detour_make(lane->receiver, &lobe, towards, u, &way)) {
+    if (!detour_make(path, lane->receiver, from, towards, u, &scratch->media, &way)) {
         return;
     }
     air_vec3 value = vec3_set1(lane->through_weight * way.weight / lane->through_probability);
-    if (!make_event(path, scratch, vertex, &way, &event, &tracked, &value) ||
+    if (!make_event(&scratch->media, vertex, &way, &event, &tracked, &value) ||
         !air_light_connect(lights, light, event.at.medium.position, &connection)) {
         return;
     }
