@@ -3,12 +3,8 @@
 
 #include <math.h>
 
+#include "atlas/triangle.h"
 #include "core/vec.h"
-
-static double doubled_area(const double a[2], const double b[2], const double c[2])
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
 
 air_texel_triangle air_texel_triangle_of(const air_atlas_part *part, size_t t)
 {
@@ -27,7 +23,7 @@ air_texel_triangle air_texel_triangle_of(const air_atlas_part *part, size_t t)
             self.point[i][k] -= self.origin[k];
         }
     }
-    if (doubled_area(self.point[0], self.point[1], self.point[2]) < 0.0) {
+    if (air_doubled_area(self.point[0], self.point[1], self.point[2]) < 0.0) {
         self.flipped = true;
         for (int k = 0; k < 2; k++) {
             const double kept = self.point[1][k];
@@ -114,7 +110,7 @@ bool air_texel_triangle_has_texel(const air_texel_triangle *triangle, double x, 
     for (int i = 0; i < 3; i++) {
         const double *a = triangle->point[i], *b = triangle->point[i < 2 ? i + 1 : 0];
         const double corner[2] = {b[1] > a[1] ? x + 1.0 : x, b[0] > a[0] ? y : y + 1.0};
-        if (doubled_area(a, b, corner) < 0.0) {
+        if (air_doubled_area(a, b, corner) < 0.0) {
             return false;
         }
     }
@@ -141,7 +137,7 @@ double air_piece_area(const air_piece *polygon)
 {
     double sum = 0.0;
     for (int i = 1; i + 1 < polygon->count; i++) {
-        sum += doubled_area(polygon->point[0], polygon->point[i], polygon->point[i + 1]);
+        sum += air_doubled_area(polygon->point[0], polygon->point[i], polygon->point[i + 1]);
     }
     return 0.5 * sum;
 }
@@ -153,7 +149,8 @@ bool air_texel_triangle_has(const air_texel_triangle *triangle, const double poi
     for (int i = 0; i < 3; i++) {
         const double *a = triangle->point[i], *b = triangle->point[i < 2 ? i + 1 : 0];
         const bool forward = a[1] < b[1] || (a[1] == b[1] && a[0] < b[0]);
-        const double side = forward ? doubled_area(a, b, point) : -doubled_area(b, a, point);
+        const double side =
+            forward ? air_doubled_area(a, b, point) : -air_doubled_area(b, a, point);
         if (side < 0.0 || (side == 0.0 && !forward)) {
             return false;
         }

@@ -1,5 +1,6 @@
 /* coverage_read.c: what a coverage says of a texel. */
 #include "atlas/coverage.h"
+#include "atlas/triangle.h"
 #include "core/vec.h"
 
 size_t air_coverage_part(const air_coverage *self, uint32_t triangle, size_t *out_local)
@@ -66,9 +67,7 @@ static void weigh(const air_texel_triangle *triangle, const double point[2], dou
     double weight[3], sum = 0.0;
     for (int i = 0; i < 3; i++) {
         const double *a = triangle->point[(i + 1) % 3], *b = triangle->point[(i + 2) % 3];
-        const double area =
-            (a[0] - point[0]) * (b[1] - point[1]) - (a[1] - point[1]) * (b[0] - point[0]);
-        weight[i] = double_max(area, 0.0);
+        weight[i] = double_max(air_doubled_area(point, a, b), 0.0);
         sum += weight[i];
     }
     for (int i = 0; i < 3; i++) {
@@ -79,9 +78,8 @@ static void weigh(const air_texel_triangle *triangle, const double point[2], dou
 
 static double fan_area(const air_piece *p, int i)
 {
-    const double *a = p->point[0], *b = p->point[i], *c = p->point[i + 1];
-    const double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-    return 0.5 * double_max(area, 0.0);
+    const double doubled = air_doubled_area(p->point[0], p->point[i], p->point[i + 1]);
+    return 0.5 * double_max(doubled, 0.0);
 }
 
 /* The corners 0, i, i + 1 of the fan that a share of the area falls into; *share becomes that in

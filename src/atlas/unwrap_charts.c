@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "atlas/surface.h"
+#include "atlas/triangle.h"
 #include "core/triple.h"
 #include "core/vec.h"
 
@@ -127,9 +128,8 @@ bool air_flat_chart_lay(const air_unwrap_mesh *mesh, const air_flat_chart *chart
         air_unwrap_mesh_project(mesh, triangle, i, chart->axis[0], chart->axis[1],
                                 out_flat->point[i]);
     }
-    const double(*p)[2] = (const double(*)[2])out_flat->point;
     air_flat_triangle_set_ways(out_flat);
-    return (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) > (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
+    return air_doubled_area(out_flat->point[0], out_flat->point[1], out_flat->point[2]) > 0.0;
 }
 
 void air_flat_chart_append(air_flat_charts *self, uint32_t chart, uint32_t triangle)

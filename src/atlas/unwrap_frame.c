@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "atlas/triangle.h"
 #include "core/vec.h"
 
 /* Round charts have hulls of many sides: so many are tried. The angle between two of those is then
@@ -20,14 +21,10 @@ static int compare_points(const void *a, const void *b)
     return (x[1] > y[1]) - (x[1] < y[1]);
 }
 
-static double turn(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
 static size_t add_to_hull(double *hull, size_t count, size_t least, const double *p)
 {
-    while (count >= least + 2 && turn(hull + 2 * (count - 2), hull + 2 * (count - 1), p) <= 0.0) {
+    while (count >= least + 2 &&
+           air_doubled_area(hull + 2 * (count - 2), hull + 2 * (count - 1), p) <= 0.0) {
         count--;
     }
     hull[2 * count] = p[0];
