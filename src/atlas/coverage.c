@@ -4,10 +4,9 @@
 
 #include <math.h>
 #include <stdatomic.h>
-#include <string.h>
 
 #include "atlas/islands.h"
-#include "core/triple.h"
+#include "atlas/triangle.h"
 #include "core/vec.h"
 
 /* ---- what a triangle is worth ---- */
@@ -15,26 +14,11 @@
 /* Rounding of uv that is still inside. */
 static const float uv_slack = 0x1p-22f;
 
-/* An area below 2^-40 of the longest side squared is that of rounding. */
-static bool is_flat(double doubled_area, double longest_squared)
-{
-    return !(doubled_area > 0x1p-40 * longest_squared) || !isfinite(doubled_area);
-}
-
 static bool is_flat_in_space(const air_atlas_part *part, size_t t)
 {
-    double p[3][3], side[3][3], normal[3], longest = 0.0;
-    for (size_t i = 0; i < 3; i++) {
-        for (size_t k = 0; k < 3; k++) {
-            p[i][k] = (double)part->positions[3 * (size_t)part->indices[3 * t + i] + k];
-        }
-    }
-    for (int i = 0; i < 3; i++) {
-        air_subtract3(p[(i + 1) % 3], p[i], side[i]);
-        longest = double_max(longest, air_dot3(side[i], side[i]));
-    }
-    air_cross3(side[0], side[1], normal);
-    return is_flat(air_length3(normal), longest);
+    double normal[3];
+    return part->positions != NULL &&
+           !air_triangle_normal(part->positions, part->indices + 3 * t, normal);
 }
 
 static bool is_flat_in_uv(const air_texel_triangle *triangle)
@@ -45,9 +29,9 @@ static bool is_flat_in_uv(const air_texel_triangle *triangle)
         const double x = b[0] - a[0], y = b[1] - a[1];
         longest = double_max(longest, x * x + y * y);
     }
-    air_piece whole = {.count = 3};
-    memcpy(whole.point, triangle->point, sizeof triangle->point);
-    return is_flat(2.0 * air_piece_area(&whole), longest);
+    const double doubled =
+        air_doubled_area(triangle->point[0], triangle->point[1], triangle->point[2]);
+    return air_triangle_is_flat(doubled, longest);
 }
 
 /* A corner with uv outside [0, 1], or NULL. NaN is outside. */
@@ -116,7 +100,7 @@ typedef struct build {
 static texel_range bands_of(const air_coverage *self, const air_atlas_part *part, size_t t)
 {
     const air_texel_triangle triangle = air_texel_triangle_of(part, t);
-    if (is_flat_in_uv(&triangle) || (part->positions != NULL && is_flat_in_space(part, t))) {
+    if (is_flat_in_uv(&triangle) || is_flat_in_space(part, t)) {
         return (texel_range){-1, -1};
     }
     const texel_range rows = polygon_range(triangle.point[0], 3, 1, triangle.origin[1],

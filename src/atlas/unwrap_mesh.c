@@ -2,30 +2,19 @@
 #include "atlas/unwrap_mesh.h"
 
 #include "atlas/edge_table.h"
+#include "atlas/triangle.h"
 #include "atlas/weld.h"
-#include "core/triple.h"
 #include "core/vec.h"
 
 /* Of sides with more triangles only neighbours in the list are linked, so that a fan of thousands
  * stays linear. */
 enum { MOST_PAIRED = 8 };
 
-/* The normal is 0 where the doubled area is below 2^-40 of the longest side squared: rounding. */
 static void set_normal(air_unwrap_mesh *mesh, size_t t)
 {
-    double p[3][3], side[3][3], normal[3], longest = 0.0;
-    for (size_t i = 0; i < 3; i++) {
-        for (size_t k = 0; k < 3; k++) {
-            p[i][k] = (double)mesh->positions[3 * (size_t)mesh->indices[3 * t + i] + k];
-        }
-    }
-    for (int i = 0; i < 3; i++) {
-        air_subtract3(p[(i + 1) % 3], p[i], side[i]);
-        longest = double_max(longest, air_dot3(side[i], side[i]));
-    }
-    air_cross3(side[0], side[1], normal);
+    double normal[3];
+    const bool flat = !air_triangle_normal(mesh->positions, mesh->indices + 3 * t, normal);
     const double length = air_length3(normal);
-    const bool flat = !(length > 0x1p-40 * longest);
     mesh->areas[t] = flat ? 0.0 : 0.5 * length;
     for (size_t k = 0; k < 3; k++) {
         mesh->normals[3 * t + k] = flat ? 0.0 : normal[k] / length;
