@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "atlas/edge_table.h"
+#include "atlas/triangle.h"
 #include "atlas/weld.h"
 #include "core/triple.h"
 #include "core/vec.h"
@@ -93,18 +94,9 @@ static uint32_t corner_at(const seam_finder *f, const air_edge *edge, int end)
     return f->indices[3 * (size_t)edge->triangle + (edge->corner + (second ? 1u : 0u)) % 3];
 }
 
-static bool triangle_normal(const seam_finder *f, uint32_t triangle, double out[3])
+static bool triangle_normal(const seam_finder *f, size_t triangle, double out[3])
 {
-    double p[3][3], e[2][3];
-    for (size_t i = 0; i < 3; i++) {
-        for (size_t k = 0; k < 3; k++) {
-            p[i][k] = (double)f->positions[3 * (size_t)f->indices[3 * (size_t)triangle + i] + k];
-        }
-    }
-    air_subtract3(p[1], p[0], e[0]);
-    air_subtract3(p[2], p[0], e[1]);
-    air_cross3(e[0], e[1], out);
-    return air_length3(out) > 0x1p-40 * (air_dot3(e[0], e[0]) + air_dot3(e[1], e[1]));
+    return air_triangle_normal(f->positions, f->indices + 3 * triangle, out);
 }
 
 static bool within_angle(const seam_finder *f, const double a[3], const double b[3])

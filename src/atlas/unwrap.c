@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "atlas/surface.h"
+#include "atlas/triangle.h"
 #include "atlas/unwrap_charts.h"
 #include "atlas/unwrap_frame.h"
 #include "core/triple.h"
@@ -279,21 +280,22 @@ static bool stretch_of(const air_unwrap *self, const float *positions, size_t t,
                        double *out_area)
 {
     double p[3][3], e[2][3], q[3][2], normal[3];
+    uint32_t vertices[3];
     for (size_t i = 0; i < 3; i++) {
         const size_t v = self->indices[3 * t + i];
+        vertices[i] = self->vertices[v];
         for (size_t k = 0; k < 3; k++) {
-            p[i][k] = (double)positions[3 * (size_t)self->vertices[v] + k];
+            p[i][k] = (double)positions[3 * (size_t)vertices[i] + k];
         }
         q[i][0] = (double)self->places[2 * v];
         q[i][1] = (double)self->places[2 * v + 1];
     }
-    air_subtract3(p[1], p[0], e[0]);
-    air_subtract3(p[2], p[0], e[1]);
-    air_cross3(e[0], e[1], normal);
-    const double doubled = air_length3(normal), base = air_length3(e[0]);
-    if (!(doubled > 0x1p-40 * (air_dot3(e[0], e[0]) + air_dot3(e[1], e[1])))) {
+    if (!air_triangle_normal(positions, vertices, normal)) {
         return false;
     }
+    air_subtract3(p[1], p[0], e[0]);
+    air_subtract3(p[2], p[0], e[1]);
+    const double doubled = air_length3(normal), base = air_length3(e[0]);
     /* in the triangle's own frame: (base, 0) and (along, height) */
     const double along = air_dot3(e[0], e[1]) / base, height = doubled / base;
     double a = 0.0, c = 0.0, determinant;
