@@ -32,12 +32,11 @@ typedef struct air_atlas_layer {
 
 typedef struct air_atlas_denoise_params {
     uint32_t radius;         /* texels searched on each side, 1 to 20; default 5 */
-    double strength;         /* differences of so many standard deviations count as 1, > 0 */
+    double strength;         /* so many standard deviations count as 1, > 0; default 0.8 */
     double normal_angle_rad; /* between neighbours' normals at most, (0, pi]; default 25 degrees */
     double plane_distance;   /* texels that a neighbour may lie off a texel's plane; default 1 */
 } air_atlas_denoise_params;
 
-/* strength: 0.8 */
 void air_atlas_denoise_params_default(air_atlas_denoise_params *params);
 
 /* Filters in place. Texels with numbers that are not finite take no part. Parallel over bands of
