@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 const char *const air_lightmap_colours[3] = {"R", "G", "B"};
+const char *const air_lightmap_bands[AIR_DIRECTIONAL_COEFFICIENTS] = {"L0", "L1.y", "L1.z", "L1.x"};
 
 typedef struct check {
     air_context *context;
@@ -51,23 +52,31 @@ static air_status check_finite(const check *self, const char *kind, size_t index
                                    kind, index, bad, what);
 }
 
+/* What a page's channels begin with: all light, the layers, the bands of directional light. */
+static const char *page_prefix(size_t i)
+{
+    if (i > AIR_LAYER_COUNT) {
+        return air_lightmap_bands[i - 1 - AIR_LAYER_COUNT];
+    }
+    return i > 0 ? air_light_layer_name((air_light_layer)(i - 1)) : "";
+}
+
 static air_status check_page(const check *self, const air_lightmap *lightmap, size_t index)
 {
-    static const char *const prefixes[] = {"",   "direct", "indirect", "media",
-                                           "L0", "L1.y",   "L1.z",     "L1.x"};
-    const size_t prefix_count = lightmap->directional ? 8 : 4;
+    const size_t prefix_count =
+        1 + AIR_LAYER_COUNT + (lightmap->directional ? AIR_DIRECTIONAL_COEFFICIENTS : 0);
     const air_image *page = lightmap->pages[index];
     if (page == NULL) {
         return air_fail(self->context, self->status, "%s: page %zu is missing", self->file, index);
     }
     for (size_t i = 0; i < prefix_count; i++) {
         const float *planes[3];
-        if (!air_lightmap_planes(page, prefixes[i], planes)) {
+        if (!air_lightmap_planes(page, page_prefix(i), planes)) {
             return air_fail(
                 self->context, self->status,
                 "%s: page %zu lacks a channel of \"%s\", expected R, G, B, those of direct, "
                 "indirect and media%s, and coverage.Y",
-                self->file, index, prefixes[i],
+                self->file, index, page_prefix(i),
                 lightmap->directional ? ", L0, L1.y, L1.z and L1.x" : "");
         }
     }

@@ -9,7 +9,7 @@
 #include "lightmap/check.h"
 #include "lightmap/staging.h"
 
-enum { TALLEST = 16384, NAME = 64, DIRECTIONAL_SLICES = 4 };
+enum { TALLEST = 16384, NAME = 64 };
 
 static const float one_over_pi = 0.318309886183790672f;
 /* What linear irradiance over pi takes of the coefficients of radiance: the basis' constants times
@@ -67,14 +67,14 @@ static float slice_value(const slice_source *source, size_t c, size_t i)
 static void put_slice(const godot_writer *self, const air_image *page, size_t slice,
                       air_image *image, size_t row)
 {
-    static const char *const prefixes[DIRECTIONAL_SLICES] = {"L0", "L1.y", "L1.z", "L1.x"};
     const size_t width = air_image_width(page), height = air_image_height(page);
     slice_source source = {.factor = one_over_pi * self->unit};
-    bool whole = air_lightmap_planes(page, self->slices == 1 ? "" : prefixes[slice], source.planes);
+    bool whole = air_lightmap_planes(page, self->slices == 1 ? "" : air_lightmap_bands[slice],
+                                     source.planes);
     if (self->slices > 1 && slice == 0) {
         source.factor = take_l0 * self->unit;
     } else if (self->slices > 1) {
-        whole = air_lightmap_planes(page, "L0", source.l0) && whole;
+        whole = air_lightmap_planes(page, air_lightmap_bands[0], source.l0) && whole;
     }
     for (size_t y = 0; y < height && whole; y++) {
         for (size_t x = 0; x < width; x++) {
@@ -184,7 +184,7 @@ static air_status add_resource(const godot_writer *self, const char *scene_path)
 static air_status lay_out(godot_writer *self, const char *folder)
 {
     const air_lightmap *lightmap = self->lightmap;
-    self->slices = lightmap->directional ? DIRECTIONAL_SLICES : 1;
+    self->slices = lightmap->directional ? AIR_DIRECTIONAL_COEFFICIENTS : 1;
     for (size_t i = 0; i < lightmap->page_count; i++) {
         const size_t width = air_image_width(lightmap->pages[i]);
         const size_t height = air_image_height(lightmap->pages[i]);

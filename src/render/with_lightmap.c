@@ -26,14 +26,13 @@ struct air_with_lightmap {
 /* All are there: air_lightmap_check has seen to it. */
 static void find_planes(const air_lightmap *lightmap, const air_image *page, page_planes *out)
 {
-    static const char *const bands[AIR_DIRECTIONAL_COEFFICIENTS] = {"L0", "L1.y", "L1.z", "L1.x"};
     out->width = air_image_width(page);
     out->height = air_image_height(page);
     for (size_t k = 0; k < AIR_LAYER_COUNT; k++) {
         (void)air_lightmap_planes(page, air_light_layer_name((air_light_layer)k), out->layers[k]);
     }
     for (size_t k = 0; lightmap->directional && k < AIR_DIRECTIONAL_COEFFICIENTS; k++) {
-        (void)air_lightmap_planes(page, bands[k], out->harmonics[k]);
+        (void)air_lightmap_planes(page, air_lightmap_bands[k], out->harmonics[k]);
     }
 }
 
