@@ -136,6 +136,20 @@ static void moments_of_the_clamp_are_their_integrals(void **state)
     }
 }
 
+static void the_clamp_cuts_a_part_of_the_turn_between_its_two_angles(void **state)
+{
+    (void)state;
+    for (double theta_s = 0.1; theta_s < AIR_PI; theta_s += 0.2) {
+        double cuts[2];
+        impulse_clamp_cuts(theta_s, cuts);
+        assert_true(0.0 < cuts[0] && cuts[0] < cuts[1] && cuts[1] < AIR_PI);
+        for (double gamma = 0.05; gamma < AIR_PI; gamma += 0.1) {
+            const double a = cos(theta_s) * cos(gamma), b = sin(theta_s) * sin(gamma);
+            assert_int_equal(fabs(a) < b, cuts[0] < gamma && gamma < cuts[1]);
+        }
+    }
+}
+
 static void directional_coefficients_are_those_of_the_slab_ray(void **state)
 {
     static const double cases[3][2] = {{0.02, 0.0}, {1.3, 0.5}, {6.0, -0.7}};
@@ -208,6 +222,7 @@ int main(void)
         cmocka_unit_test(all_orientations_of_a_patch_make_a_point_light),
         cmocka_unit_test(a_patch_along_the_axis_is_zonal),
         cmocka_unit_test(moments_of_the_clamp_are_their_integrals),
+        cmocka_unit_test(the_clamp_cuts_a_part_of_the_turn_between_its_two_angles),
         cmocka_unit_test(directional_coefficients_are_those_of_the_slab_ray),
         cmocka_unit_test(slab_irradiance_is_the_integral_of_the_ray),
         cmocka_unit_test(extremes_are_finite),

@@ -81,14 +81,14 @@ static void angle_weights(impulse_plan *plan, size_t angle)
 {
     const graded_rule nodes = graded_rule_make(GAMMA_NODES);
     const double theta_s = plan->theta_s[angle];
-    const double first = fabs(0.5 * AIR_PI - theta_s);
-    const double second = theta_s <= 0.5 * AIR_PI ? 0.5 * AIR_PI + theta_s : 1.5 * AIR_PI - theta_s;
+    double cuts[2];
     double *const weights = plan->weights + angle * (size_t)plan->order * GAMMA_COUNT;
+    impulse_clamp_cuts(theta_s, cuts);
     for (int panel = 0; panel < GAMMA_PANELS; panel++) {
         double from, to;
         gamma_panel(panel, &from, &to);
-        double ends[4] = {from, double_min(to, double_max(from, first)),
-                          double_min(to, double_max(from, second)), to};
+        double ends[4] = {from, double_min(to, double_max(from, cuts[0])),
+                          double_min(to, double_max(from, cuts[1])), to};
         for (int i = 0; i < 3; i++) {
             if (ends[i + 1] - ends[i] > 1e-14) {
                 add_piece(&nodes, theta_s, plan->order, from, to, ends[i], ends[i + 1],

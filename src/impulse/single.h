@@ -42,4 +42,8 @@ void impulse_area_inner(const impulse_quality *quality, const air_sh_factors *fa
 /* The integrals of cos(m phi) max(0, a + b cos phi) over a turn for 0 <= m < order; b >= 0. */
 void impulse_clamped_moments(double a, double b, int order, double *out);
 
+/* The two angles gamma, rising, between which the clamp cuts a part of the turn, for a = cos
+ * theta_s cos gamma and b = sin theta_s sin gamma: where |a| = b. */
+void impulse_clamp_cuts(double theta_s, double out[2]);
+
 #endif

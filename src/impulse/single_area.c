@@ -31,6 +31,12 @@ void impulse_clamped_moments(double a, double b, int order, double *out)
     }
 }
 
+void impulse_clamp_cuts(double theta_s, double out[2])
+{
+    out[0] = fabs(0.5 * AIR_PI - theta_s);
+    out[1] = theta_s <= 0.5 * AIR_PI ? 0.5 * AIR_PI + theta_s : 1.5 * AIR_PI - theta_s;
+}
+
 enum { PHASES = IMPULSE_G_MAX };
 
 typedef struct area_inner {
@@ -99,9 +105,9 @@ void impulse_area_inner(const impulse_quality *quality, const air_sh_factors *fa
 static void outer_nodes(const impulse_quality *quality, double theta_s, int peak, int back,
                         graded_list *out)
 {
-    const double first = fabs(0.5 * AIR_PI - theta_s);
-    const double second = theta_s <= 0.5 * AIR_PI ? 0.5 * AIR_PI + theta_s : 1.5 * AIR_PI - theta_s;
-    const double ends[4] = {0.0, first, second, AIR_PI};
+    double cuts[2];
+    impulse_clamp_cuts(theta_s, cuts);
+    const double ends[4] = {0.0, cuts[0], cuts[1], AIR_PI};
     for (int i = 0; i < 3; i++) {
         if (ends[i + 1] - ends[i] > 1e-12) {
             graded_both(out, &quality->rule, ends[i], ends[i + 1], i == 0 ? peak : 10,
