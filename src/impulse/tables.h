@@ -8,6 +8,7 @@
 #include <math.h>
 
 #include "airlight/impulse.h"
+#include "core/vec.h"
 #include "impulse/multiple.h"
 
 enum {
@@ -18,7 +19,6 @@ enum {
 
 #define IMPULSE_TAU_LEAST    1e-3
 #define IMPULSE_TAU_GREATEST 20.0
-#define IMPULSE_PI           3.14159265358979323846
 
 typedef struct impulse_plan impulse_plan;
 
@@ -76,7 +76,7 @@ static inline impulse_between impulse_find_angle(size_t angles, double cos_s)
 {
     const double c = cos_s < -1.0 ? -1.0 : cos_s > 1.0 ? 1.0 : cos_s;
     const double quarter = (double)(angles - 1) / 3.0;
-    const double turned = acos(c) * 2.0 / IMPULSE_PI * quarter;
+    const double turned = acos(c) * 2.0 / AIR_PI * quarter;
     const double x = turned + (turned > quarter ? turned - quarter : 0.0);
     const double last = (double)(angles - 2), lower = floor(x < last ? x : last);
     return (impulse_between){(size_t)lower, x - lower};
