@@ -9,8 +9,6 @@
 #include "core/harmonics.h"
 #include "impulse/graded.h"
 
-enum { IMPULSE_G_MAX = 32 };
-
 /* How fine: Gauss nodes of a panel, halvings towards an end, and the optical depth beyond which
  * nothing is looked for. */
 typedef struct impulse_quality {
@@ -35,7 +33,7 @@ void impulse_directional_scaled(const impulse_quality *quality, double tau, cons
                                 int g_count, int order, double *out, int stride);
 
 /* The inner integral of (A1) over theta for one gamma, times exp(tau): out[i * stride + lm] for
- * g[i], mirrored coefficients of factors->order. */
+ * g[i], up to AIR_IMPULSE_G_MAX of them, mirrored coefficients of factors->order. */
 void impulse_area_inner(const impulse_quality *quality, const air_sh_factors *factors, double tau,
                         double gamma, const double *g, int g_count, double *out, int stride);
 

@@ -1,6 +1,7 @@
 /* single_area.c: one event, light of a small patch: (A1). */
 #include <math.h>
 
+#include "airlight/impulse.h"
 #include "core/vec.h"
 #include "impulse/single.h"
 
@@ -37,13 +38,12 @@ void impulse_clamp_cuts(double theta_s, double out[2])
     out[1] = theta_s <= 0.5 * AIR_PI ? 0.5 * AIR_PI + theta_s : 1.5 * AIR_PI - theta_s;
 }
 
-enum { PHASES = IMPULSE_G_MAX };
-
 typedef struct area_inner {
     const air_sh_factors *factors;
     const double *g;
     int g_count, coefficients, stride;
-    double minus[PHASES], square[PHASES], twice[PHASES]; /* of the phase functions */
+    /* of the phase functions */
+    double minus[AIR_IMPULSE_G_MAX], square[AIR_IMPULSE_G_MAX], twice[AIR_IMPULSE_G_MAX];
     double *out;
 } area_inner;
 
