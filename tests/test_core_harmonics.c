@@ -61,6 +61,26 @@ static void the_addition_theorem_holds(void **state)
     }
 }
 
+/* The powers of P_10 sum to some 1100 in size, and each step of the recurrence rounds. */
+static void powers_of_legendre_polynomials_sum_to_them(void **state)
+{
+    (void)state;
+    for (int order = 1; order <= ORDER; order++) {
+        double powers[ORDER * ORDER], p[ORDER];
+        air_legendre_powers(order, powers);
+        for (double x = -1.0; x <= 1.0; x += 0.125) {
+            air_legendre(order, x, p);
+            for (int l = 0; l < order; l++) {
+                double sum = 0.0;
+                for (int n = order - 1; n >= 0; n--) {
+                    sum = sum * x + powers[l * order + n];
+                }
+                assert_true(fabs(sum - p[l]) < 1e-12);
+            }
+        }
+    }
+}
+
 /* The published vector: y_lm at (2, 3, 6)/7. Positive coordinates give positive bands 0 and 1:
  * without Condon and Shortley's phase. By the formulae of harmonics.h with exact rationals. */
 static void signs_and_order_are_the_published_ones(void **state)
@@ -177,6 +197,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(they_are_orthonormal),
         cmocka_unit_test(the_addition_theorem_holds),
+        cmocka_unit_test(powers_of_legendre_polynomials_sum_to_them),
         cmocka_unit_test(signs_and_order_are_the_published_ones),
         cmocka_unit_test(powers_of_the_cosine_are_their_integrals),
         cmocka_unit_test(zonal_functions_turn_and_multiply),

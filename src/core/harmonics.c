@@ -16,6 +16,20 @@ void air_legendre(int order, double x, double *out)
     }
 }
 
+void air_legendre_powers(int order, double *out)
+{
+    for (int i = 0; i < order * order; i++) {
+        out[i] = i == 0 || i == order + 1 ? 1.0 : 0.0; /* P_0 and P_1 */
+    }
+    for (int l = 2; l < order; l++) {
+        const double *const before = out + (l - 1) * order, *const two_before = before - order;
+        for (int n = 0; n <= l; n++) {
+            const double up = n > 0 ? before[n - 1] : 0.0;
+            out[l * order + n] = ((2 * l - 1) * up - (l - 1) * two_before[n]) / l;
+        }
+    }
+}
+
 void air_zh_evaluate(int order, double cosine, double *out)
 {
     air_legendre(order, cosine, out);

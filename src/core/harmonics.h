@@ -19,6 +19,9 @@ enum {
 /* P_0 .. P_(order-1) at x in [-1, 1]; order >= 1, of any size. */
 void air_legendre(int order, double x, double *out);
 
+/* P_l in powers: out[l * order + n] goes with x^n. order * order numbers. */
+void air_legendre_powers(int order, double *out);
+
 /* The zonal y_l = sqrt((2l+1)/(4 pi)) P_l of the cosine to the axis. */
 void air_zh_evaluate(int order, double cosine, double *out);
 

@@ -5,6 +5,7 @@
  * of mu give exponential integrals. */
 #include <math.h>
 
+#include "core/harmonics.h"
 #include "core/vec.h"
 #include "impulse/multiple.h"
 
@@ -39,25 +40,16 @@ static double exponential_integral_1(double x)
 /* Coefficients of the zonal harmonics in powers of mu. */
 typedef struct zonal_powers {
     int order;
-    double at[AIR_IMPULSE_ORDER][AIR_IMPULSE_ORDER];
+    double at[AIR_IMPULSE_ORDER * AIR_IMPULSE_ORDER]; /* mu^n of y_l at l * order + n */
 } zonal_powers;
 
 static zonal_powers zonal_powers_make(int order)
 {
     zonal_powers p = {.order = order};
-    p.at[0][0] = 1.0;
-    if (order > 1) {
-        p.at[1][1] = 1.0;
-    }
-    for (int l = 2; l < order; l++) {
-        for (int n = 0; n <= l; n++) {
-            const double up = n > 0 ? p.at[l - 1][n - 1] : 0.0;
-            p.at[l][n] = ((2 * l - 1) * up - (l - 1) * p.at[l - 2][n]) / l;
-        }
-    }
+    air_legendre_powers(order, p.at);
     for (int l = 0; l < order; l++) {
         for (int n = 0; n <= l; n++) {
-            p.at[l][n] *= sqrt((2 * l + 1) / (4.0 * AIR_PI));
+            p.at[l * order + n] *= sqrt((2 * l + 1) / (4.0 * AIR_PI));
         }
     }
     return p;
@@ -74,7 +66,7 @@ static void depth_kernel(const zonal_powers *powers, double x, double *out)
     for (int l = 0; l < powers->order; l++) {
         out[l] = 0.0;
         for (int n = l % 2; n <= l; n += 2) {
-            out[l] += powers->at[l][n] * e[n];
+            out[l] += powers->at[l * powers->order + n] * e[n];
         }
     }
 }

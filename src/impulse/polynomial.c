@@ -10,16 +10,13 @@
 /* The sum of A_l c_l P_l(z) in powers of z. */
 void impulse_zonal_polynomial(const double *zh, double *out)
 {
-    double power[AIR_IMPULSE_ORDER][AIR_IMPULSE_ORDER] = {{1.0}, {0.0, 1.0}};
+    double powers[AIR_IMPULSE_ORDER * AIR_IMPULSE_ORDER];
     double lobe[AIR_IMPULSE_ORDER], sum[AIR_IMPULSE_ORDER] = {0.0};
     air_zh_clamped_cosine(AIR_IMPULSE_ORDER, lobe);
+    air_legendre_powers(AIR_IMPULSE_ORDER, powers);
     for (int l = 0; l < AIR_IMPULSE_ORDER; l++) {
         for (int n = 0; n <= l; n++) {
-            if (l > 1) {
-                const double up = n > 0 ? power[l - 1][n - 1] : 0.0;
-                power[l][n] = ((2 * l - 1) * up - (l - 1) * power[l - 2][n]) / l;
-            }
-            sum[n] += lobe[l] * zh[l] * power[l][n];
+            sum[n] += lobe[l] * zh[l] * powers[l * AIR_IMPULSE_ORDER + n];
         }
     }
     for (int i = 0; i < ZONAL_POWERS; i++) {
