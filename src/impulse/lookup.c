@@ -31,6 +31,14 @@ impulse_sum impulse_sum_of(const air_impulse_params *params, const air_impulse_m
     return sum;
 }
 
+air_impulse_medium impulse_sum_medium(const impulse_sum *sum, const air_impulse_medium *medium)
+{
+    return sum->residual ? (air_impulse_medium){.sigma_s = sum->albedo * sum->sigma_t,
+                                                .sigma_t = sum->sigma_t,
+                                                .bounces = sum->last}
+                         : *medium;
+}
+
 double impulse_sum_excess(const impulse_sum *sum, const air_impulse_medium *medium,
                           air_impulse_emitter emitter, double distance, double cos_s)
 {
@@ -219,12 +227,8 @@ double air_impulse_irradiance(const air_impulse_tables *tables, air_impulse_emit
                                                    -0.028546931421157107, 0.0,
                                                    0.018508081889040854};
     double coefficients[AIR_IMPULSE_SH_COUNT], powers[AREA_POWERS], e;
-    air_impulse_medium plain = *medium;
     const impulse_sum sum = impulse_sum_of(&tables->params, medium, 1, medium->bounces);
-    if (sum.residual) {
-        plain = (air_impulse_medium){
-            .sigma_s = sum.albedo * sum.sigma_t, .sigma_t = sum.sigma_t, .bounces = sum.last};
-    }
+    const air_impulse_medium plain = impulse_sum_medium(&sum, medium);
     if (emitter == AIR_IMPULSE_AREA) {
         const int order = air_impulse_mirrored(tables, &plain, 1, plain.bounces, place->distance,
                                                place->cos_s, coefficients);

@@ -17,6 +17,10 @@ typedef struct impulse_sum {
 impulse_sum impulse_sum_of(const air_impulse_params *params, const air_impulse_medium *medium,
                            int first, int last);
 
+/* The medium whose events the sum has, when its excess is taken apart: under the residual rule the
+ * reduced, isotropic one. */
+air_impulse_medium impulse_sum_medium(const impulse_sum *sum, const air_impulse_medium *medium);
+
 /* What the reduced medium's unscattered light has more than the medium's, from direction l: an
  * irradiance across l. 0 but for the residual rule. */
 double impulse_sum_excess(const impulse_sum *sum, const air_impulse_medium *medium,

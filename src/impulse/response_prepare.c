@@ -83,7 +83,7 @@ static air_status prepare_channel(const air_impulse_tables *tables,
 {
     const impulse_sum sum = impulse_sum_of(&tables->params, medium, 1, medium->bounces);
     preparing job = {.tables = tables,
-                     .medium = *medium,
+                     .medium = impulse_sum_medium(&sum, medium),
                      .rest_sigma_t = sum.reduced_sigma_t,
                      .response = response,
                      .channel = channel};
@@ -97,8 +97,6 @@ static air_status prepare_channel(const air_impulse_tables *tables,
     if (sum.residual) {
         channel->reduced = (float)sum.reduced_sigma_t;
         channel->whole = (float)medium->sigma_t;
-        job.medium = (air_impulse_medium){
-            .sigma_s = sum.albedo * sum.sigma_t, .sigma_t = sum.sigma_t, .bounces = sum.last};
     }
     channel->fall = 1.0f;
     if (all_orders) {
