@@ -43,17 +43,12 @@ typedef struct bake_run {
     air_lightmap *lightmap;
 } bake_run;
 
-/* NAME.lightmap for DIR/NAME.EXT. */
 static void set_folder(bake_run *run)
 {
-    const char *const slash = strrchr(run->scene_path, '/');
-    const char *const name = slash != NULL ? slash + 1 : run->scene_path;
-    const char *const dot = strrchr(name, '.');
-    const int length = dot != NULL && dot != name ? (int)(dot - name) : (int)strlen(name);
     if (run->options.output != NULL) {
         snprintf(run->folder, sizeof run->folder, "%s", run->options.output);
     } else {
-        snprintf(run->folder, sizeof run->folder, "%.*s.lightmap", length, name);
+        cli_output_name(run->scene_path, ".lightmap", run->folder, sizeof run->folder);
     }
     snprintf(run->progress_path, sizeof run->progress_path, "%s/bake.progress", run->folder);
 }

@@ -57,17 +57,27 @@ cli_option_group cli_picture_group(cli_output_options *options)
 
 /* ---- checks before the work ---- */
 
-static const char *extension_of(const char *path)
+static const char *name_of(const char *path)
 {
     const char *const slash = strrchr(path, '/');
-    const char *const name = slash != NULL ? slash + 1 : path;
-    const char *const dot = strrchr(name, '.');
+    return slash != NULL ? slash + 1 : path;
+}
+
+static const char *extension_of(const char *path)
+{
+    const char *const name = name_of(path), *const dot = strrchr(name, '.');
     return dot != NULL && dot != name ? dot : name + strlen(name);
 }
 
 bool cli_has_extension(const char *path, const char *extension)
 {
     return strcasecmp(extension_of(path), extension) == 0;
+}
+
+void cli_output_name(const char *path, const char *extension, char *out, size_t size)
+{
+    const char *const name = name_of(path);
+    snprintf(out, size, "%.*s%s", (int)(extension_of(path) - name), name, extension);
 }
 
 static bool extension_known(const char *path, const char *const *extensions)

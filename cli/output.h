@@ -35,6 +35,11 @@ cli_option_group cli_picture_group(cli_output_options *options);
 /* True if `path` ends in `extension` (".exr"), in either case. */
 bool cli_has_extension(const char *path, const char *extension);
 
+/* NAME and the extension (".exr") for DIR/NAME.EXT: what goes into the current directory by
+ * default.
+ */
+void cli_output_name(const char *path, const char *extension, char *out, size_t size);
+
 /* Checks that each path has one of the extensions (NULL-terminated list) and is given once (exit
  * code 2), and that a file can be created there (1). */
 cli_exit cli_output_check(cli_host *host, const cli_list *paths, const char *const *extensions);

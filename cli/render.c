@@ -3,7 +3,6 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include <sys/resource.h>
 
 #include "host.h"
@@ -58,14 +57,9 @@ typedef struct render_run {
 
 /* ---- before rendering ---- */
 
-/* NAME.exr for DIR/NAME.EXT. */
 static void set_default_output(render_run *run)
 {
-    const char *const slash = strrchr(run->scene_path, '/');
-    const char *const name = slash != NULL ? slash + 1 : run->scene_path;
-    const char *const dot = strrchr(name, '.');
-    const size_t length = dot != NULL && dot != name ? (size_t)(dot - name) : strlen(name);
-    snprintf(run->default_output, sizeof run->default_output, "%.*s.exr", (int)length, name);
+    cli_output_name(run->scene_path, ".exr", run->default_output, sizeof run->default_output);
     run->output.paths.items[run->output.paths.count++] = run->default_output;
 }
 
