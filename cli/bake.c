@@ -69,20 +69,6 @@ static cli_exit make_folder(bake_run *run)
     return CLI_FAILED;
 }
 
-static cli_exit check_light(bake_run *run)
-{
-    air_scene_info info;
-    air_snapshot_info(run->snapshot, &info);
-    if (!info.light_present) {
-        cli_say(&run->host.progress, AIR_MESSAGE_ERROR,
-                "%s: no light in the scene, the lightmap would be black: add one with "
-                "--environment constant=1,1,1 or --environment FILE.hdr, or with --with FILE",
-                run->scene_path);
-        return CLI_FAILED;
-    }
-    return CLI_OK;
-}
-
 static cli_exit prepare(bake_run *run)
 {
     cli_exit result = cli_host_open(&run->host, &run->host_options);
@@ -94,7 +80,7 @@ static cli_exit prepare(bake_run *run)
                                 &run->description);
     }
     if (result == CLI_OK) {
-        result = check_light(run);
+        result = cli_scene_need_light(&run->host, run->scene_path, run->snapshot, "lightmap");
     }
     if (result == CLI_OK) {
         set_folder(run);

@@ -67,13 +67,11 @@ static void set_default_output(render_run *run)
 static cli_exit check_content(render_run *run)
 {
     const uint32_t without_light = 1u << AIR_TERM_EMISSION | 1u << AIR_TERM_BACKGROUND;
+    const bool needs_light = run->lightmap == NULL && (run->params.terms & ~without_light) != 0;
     air_scene_info info;
     air_snapshot_info(run->snapshot, &info);
-    if (!info.light_present && run->lightmap == NULL && (run->params.terms & ~without_light) != 0) {
-        cli_say(&run->host.progress, AIR_MESSAGE_ERROR,
-                "%s: no light in the scene, the picture would be black: add one with --environment "
-                "constant=1,1,1 or --environment FILE.hdr, or with --with FILE",
-                run->scene_path);
+    if (needs_light &&
+        cli_scene_need_light(&run->host, run->scene_path, run->snapshot, "picture") != CLI_OK) {
         return CLI_FAILED;
     }
     if (info.medium_count == 0) {

@@ -118,6 +118,21 @@ cli_exit cli_scene_open(cli_host *host, const char *path, const cli_scene_option
     return CLI_OK;
 }
 
+cli_exit cli_scene_need_light(cli_host *host, const char *path, const air_snapshot *snapshot,
+                              const char *what)
+{
+    air_scene_info info;
+    air_snapshot_info(snapshot, &info);
+    if (info.light_present) {
+        return CLI_OK;
+    }
+    cli_say(&host->progress, AIR_MESSAGE_ERROR,
+            "%s: no light in the scene, the %s would be black: add one with --environment "
+            "constant=1,1,1 or --environment FILE.hdr, or with --with FILE",
+            path, what);
+    return CLI_FAILED;
+}
+
 /* ---- cameras ---- */
 
 static cli_camera read_camera(const json_t *entry)

@@ -32,4 +32,8 @@ cli_exit cli_scene_open(cli_host *host, const char *path, const cli_scene_option
 cli_exit cli_scene_camera(cli_host *host, const json_t *description, const char *wanted,
                           cli_camera *out_camera);
 
+/* Fails, and says why, where no light is in the scene: `what` ("picture") would be black. */
+cli_exit cli_scene_need_light(cli_host *host, const char *path, const air_snapshot *snapshot,
+                              const char *what);
+
 #endif
