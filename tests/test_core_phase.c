@@ -102,6 +102,30 @@ static void mixtures_have_the_moments_of_their_lobes(void **state)
     }
 }
 
+/* As above; the sum of 8 floats rounds by less. */
+static void mean_cosines_are_first_moments(void **state)
+{
+    const air_phase_mixture heavy = {3,
+                                     {{AIR_PHASE_RAYLEIGH, 0.5f, 1.0f},
+                                      {AIR_PHASE_ISOTROPIC, 0.5f, 1.0f},
+                                      {AIR_PHASE_HG, 0.8f, 6.0f}}};
+    (void)state;
+    for (int i = 0; i < MIXTURES; ++i) {
+        const air_phase phase = mixture_phase(i);
+        assert_true(fabs(moment(phase, 1) - (double)phase_mean_cosine(phase)) < 3e-6);
+    }
+    for (int i = 0; i < G_COUNT; ++i) {
+        const air_phase phase = {.kind = AIR_PHASE_HG, .g = g_values[i]};
+        assert_true(phase_mean_cosine(phase) == g_values[i]);
+    }
+    for (air_phase_kind kind = AIR_PHASE_ISOTROPIC; kind <= AIR_PHASE_RAYLEIGH; kind += 2) {
+        assert_true(phase_mean_cosine((air_phase){.kind = kind, .g = 0.7f}) == 0.0f);
+    }
+    /* weights of any sum; lobes' g counts only where they have one */
+    const air_phase given = {.kind = AIR_PHASE_MIXTURE, .mixture = &heavy};
+    assert_true(fabsf(phase_mean_cosine(given) - 0.6f) < 1e-6f);
+}
+
 static void preparing_normalises_and_drops_what_has_no_weight(void **state)
 {
     (void)state;
@@ -304,6 +328,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(phase_functions_are_normalised_with_mean_cosine_g),
         cmocka_unit_test(mixtures_have_the_moments_of_their_lobes),
+        cmocka_unit_test(mean_cosines_are_first_moments),
         cmocka_unit_test(preparing_normalises_and_drops_what_has_no_weight),
         cmocka_unit_test(hg_keeps_its_digits_in_the_peak),
         cmocka_unit_test(cosines_beyond_one_by_rounding_stay_finite),

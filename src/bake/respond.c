@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "bake/slab.h"
+#include "core/phase.h"
 
 /* The responses of one medium. */
 typedef struct medium_response {
@@ -21,21 +22,7 @@ struct air_responder {
 
 /* ---- making ---- */
 
-static float lobe_mean(air_phase phase)
-{
-    /* the mean cosine is all that the model knows of a phase function */
-    float sum = 0.0f, weights = 0.0f;
-    if (phase.kind != AIR_PHASE_MIXTURE) {
-        return phase.kind == AIR_PHASE_HG ? phase.g : 0.0f;
-    }
-    for (size_t i = 0; i < phase.mixture->lobe_count; i++) {
-        const air_phase_lobe *lobe = &phase.mixture->lobes[i];
-        sum += lobe->weight * (lobe->kind == AIR_PHASE_HG ? lobe->g : 0.0f);
-        weights += lobe->weight;
-    }
-    return weights > 0.0f ? sum / weights : 0.0f;
-}
-
+/* The mean cosine is all that the model knows of a phase function. */
 static void describe(const air_medium *medium, const air_responder_params *params,
                      air_impulse_medium out[3])
 {
@@ -44,7 +31,7 @@ static void describe(const air_medium *medium, const air_responder_params *param
     for (int c = 0; c < 3; c++) {
         out[c] = (air_impulse_medium){.sigma_s = (double)sigma_s[c],
                                       .sigma_t = (double)sigma_t[c],
-                                      .g = (double)lobe_mean(medium->phase),
+                                      .g = (double)phase_mean_cosine(medium->phase),
                                       .bounces = params->bounces,
                                       .rule = params->literal ? AIR_IMPULSE_SIMILARITY
                                                               : AIR_IMPULSE_RESIDUAL};
@@ -83,7 +70,7 @@ static air_status make_tables(air_context *context, const air_snapshot *snapshot
         air_impulse_params_default(&table);
         if (snapshot->media.count > 0) {
             /* the first medium's own g is a knot in place of the nearest */
-            const double g = (double)lobe_mean(snapshot->media.media[0].phase);
+            const double g = (double)phase_mean_cosine(snapshot->media.media[0].phase);
             size_t nearest = 0;
             for (size_t k = 1; k < table.g_count; k++) {
                 nearest = fabs(table.g[k] - g) < fabs(table.g[nearest] - g) ? k : nearest;

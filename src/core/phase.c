@@ -55,6 +55,20 @@ air_phase phase_prepare(air_phase phase, air_phase_mixture *own)
                       : (air_phase){.kind = AIR_PHASE_MIXTURE, .mixture = own};
 }
 
+float phase_mean_cosine(air_phase phase)
+{
+    float sum = 0.0f, weights = 0.0f;
+    if (phase.kind != AIR_PHASE_MIXTURE) {
+        return phase.kind == AIR_PHASE_HG ? phase.g : 0.0f;
+    }
+    for (size_t i = 0; i < phase.mixture->lobe_count; ++i) {
+        const air_phase_lobe *lobe = &phase.mixture->lobes[i];
+        sum += lobe->weight * phase_mean_cosine(lobe_phase(lobe));
+        weights += lobe->weight;
+    }
+    return weights > 0.0f ? sum / weights : 0.0f;
+}
+
 static const char *lobe_fault(const air_phase_lobe *lobe)
 {
     if (lobe->kind != AIR_PHASE_ISOTROPIC && lobe->kind != AIR_PHASE_HG &&
