@@ -2,6 +2,7 @@
 
 #include "airlight/impulse_quadrature.h"
 #include "core/harmonics.h"
+#include "core/phase.h"
 #include "core/quadrature.h"
 
 enum { BINS = 48, ORDER = 5, COEFFICIENTS = ORDER * ORDER, POLAR = 24, AZIMUTH = 48 };
@@ -73,7 +74,7 @@ static void make_face(const air_snapshot *snapshot, const air_region *region, fa
 {
     const air_medium *medium = &snapshot->media.media[region->medium];
     const air_frame frame = frame_from_normal(vec3_neg(snapshot->lights.entries[out->light].dir));
-    const double g = medium->phase.kind == AIR_PHASE_HG ? (double)medium->phase.g : 0.0;
+    const double g = (double)phase_mean_cosine(medium->phase); /* that of the directional table */
     const float s[3] = {region->sigma_s.x, region->sigma_s.y, region->sigma_s.z};
     const float t[3] = {region->sigma_t.x, region->sigma_t.y, region->sigma_t.z};
     double nodes[POLAR], weights[POLAR], n[3];
