@@ -254,7 +254,7 @@ static double irradiance_of(const double coefficients[COUNT], const double norma
     double y[COUNT], sum = 0.0;
     air_sh_evaluate(3, normal, y);
     for (int i = 0; i < COUNT; i++) {
-        sum += factors[i == 0 ? 0 : i < 4 ? 1 : 2] * coefficients[i] * y[i];
+        sum += factors[air_sh_band_3(i)] * coefficients[i] * y[i];
     }
     return sum;
 }

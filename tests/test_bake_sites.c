@@ -15,7 +15,7 @@ static double irradiance_of(const double coefficients[COUNT], air_vec3 normal)
     double y[COUNT], sum = 0.0;
     air_sh_evaluate(3, at, y);
     for (int i = 0; i < COUNT; i++) {
-        sum += factors[i == 0 ? 0 : i < 4 ? 1 : 2] * coefficients[i] * y[i];
+        sum += factors[air_sh_band_3(i)] * coefficients[i] * y[i];
     }
     return sum;
 }

@@ -118,6 +118,16 @@ static void signs_and_order_are_the_published_ones(void **state)
     }
 }
 
+static void coefficients_know_their_band(void **state)
+{
+    (void)state;
+    for (int l = 0; l < 3; l++) {
+        for (int m = -l; m <= l; m++) {
+            assert_int_equal(air_sh_band_3(l * l + l + m), l);
+        }
+    }
+}
+
 /* max(0, mu)^n y_l(mu) is a polynomial on [0, 1] for whole n. */
 static void powers_of_the_cosine_are_their_integrals(void **state)
 {
@@ -199,6 +209,7 @@ int main(void)
         cmocka_unit_test(the_addition_theorem_holds),
         cmocka_unit_test(powers_of_legendre_polynomials_sum_to_them),
         cmocka_unit_test(signs_and_order_are_the_published_ones),
+        cmocka_unit_test(coefficients_know_their_band),
         cmocka_unit_test(powers_of_the_cosine_are_their_integrals),
         cmocka_unit_test(zonal_functions_turn_and_multiply),
         cmocka_unit_test(poles_are_finite),

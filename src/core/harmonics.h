@@ -60,6 +60,9 @@ static inline void air_sh_evaluate_3(const float dir[3], float out[9])
     out[8] = 0.54627422f * (x * x - y * y);
 }
 
+/* The band of coefficient i of these nine. */
+static inline int air_sh_band_3(int i) { return (i > 0) + (i > 3); }
+
 /* n_l = sqrt(4 pi/(2l+1)). */
 double air_zh_scale(int l);
 
