@@ -7,11 +7,11 @@
  * which is looked for beside the file. Prints rows, worst errors and where they are. Exit codes: 0
  * all within what is accepted, 1 not, 2 a file that is not such a table, 77 a file is absent and
  * --skip-absent was given. */
-#include <errno.h>
 
 #include "arealight_tables.h"
+#include "oracle.h"
 
-enum { EXIT_WRONG = 1, EXIT_MALFORMED = 2, EXIT_SKIPPED = 77, PATH = 1024 };
+enum { PATH = 1024 };
 
 /* An error of many, the worst of them, and what is accepted. */
 typedef struct judged {
@@ -250,9 +250,7 @@ static int check_file(const char *path, bool skip_absent)
     const bool read = area_open(&table, path);
     int code = EXIT_MALFORMED;
     if (table.file == NULL) {
-        const bool skip = skip_absent && errno == ENOENT;
-        fprintf(stderr, "%s: %s%s\n", path, strerror(errno), skip ? ", skipped" : "");
-        return skip ? EXIT_SKIPPED : EXIT_MALFORMED;
+        return oracle_not_open(path, skip_absent);
     }
     if (read && area_find(&table, "wox") >= 0) {
         code = check_polygons(path, rows);
@@ -267,18 +265,4 @@ static int check_file(const char *path, bool skip_absent)
     return code;
 }
 
-int main(int argc, char **argv)
-{
-    const bool skip_absent = argc > 1 && strcmp(argv[1], "--skip-absent") == 0;
-    const int first = skip_absent ? 2 : 1;
-    if (first >= argc) {
-        fprintf(stderr, "usage: oracle_arealight [--skip-absent] FILE.csv...\n");
-        return EXIT_MALFORMED;
-    }
-    int code = 0;
-    for (int i = first; i < argc; i++) {
-        const int one = check_file(argv[i], skip_absent);
-        code = code == 0 || (code == EXIT_SKIPPED && one != 0) ? one : code;
-    }
-    return code;
-}
+int main(int argc, char **argv) { return oracle_main("oracle_arealight", argc, argv, check_file); }

@@ -7,16 +7,15 @@
  * t_begin, t_end, d_begin, the last three empty where T is 0. Prints rows, worst relative error and
  * where it is. Exit codes: 0 all within 1e-9, 1 not, 2 a file that is not such a table, 77 a file
  * is absent and --skip-absent was given. */
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "airlight/collimated.h"
+#include "oracle.h"
 
 enum { MOST_COLUMNS = 64, LINE = 4096, NAME = 32 };
-enum { EXIT_WRONG = 1, EXIT_MALFORMED = 2, EXIT_SKIPPED = 77 };
 
 /* Required of every row; the kernel itself reaches 1e-13. */
 static const double accepted = 1e-9;
@@ -253,9 +252,7 @@ static int check_file(const char *path, bool skip_absent)
     self.path = path;
     self.file = fopen(path, "r");
     if (self.file == NULL) {
-        const bool skip = skip_absent && errno == ENOENT;
-        fprintf(stderr, "%s: %s%s\n", path, strerror(errno), skip ? ", skipped" : "");
-        return skip ? EXIT_SKIPPED : EXIT_MALFORMED;
+        return oracle_not_open(path, skip_absent);
     }
     worst_error worst[QUANTITIES] = {{0.0, 0}};
     size_t rows = 0;
@@ -296,18 +293,4 @@ static int check_file(const char *path, bool skip_absent)
     return good ? 0 : EXIT_WRONG;
 }
 
-int main(int argc, char **argv)
-{
-    const bool skip_absent = argc > 1 && strcmp(argv[1], "--skip-absent") == 0;
-    const int first = skip_absent ? 2 : 1;
-    if (first >= argc) {
-        fprintf(stderr, "usage: oracle_collimated [--skip-absent] FILE.csv...\n");
-        return EXIT_MALFORMED;
-    }
-    int code = 0;
-    for (int i = first; i < argc; i++) {
-        const int one = check_file(argv[i], skip_absent);
-        code = code == 0 || (code == EXIT_SKIPPED && one != 0) ? one : code;
-    }
-    return code;
-}
+int main(int argc, char **argv) { return oracle_main("oracle_collimated", argc, argv, check_file); }

@@ -6,12 +6,10 @@
  * fitted axes, and fluences of many events. Prints worst errors and where they are. Exit codes: 0
  * all within what is accepted, 1 not, 2 a file that is not such a table, 77 a file is absent and
  * --skip-absent was given. */
-#include <errno.h>
 
 #include "impulse/tables.h"
 #include "impulse_rows.h"
-
-enum { EXIT_WRONG = 1, EXIT_MALFORMED = 2, EXIT_SKIPPED = 77 };
+#include "oracle.h"
 
 enum {
     QUADRATURE = 0,                            /* and emitter */
@@ -244,9 +242,7 @@ static int check_file(const char *path, bool skip_absent)
     verdict self = {.skipped = 0};
     file = (impulse_file){.path = path, .file = fopen(path, "r")};
     if (file.file == NULL) {
-        const bool skip = skip_absent && errno == ENOENT;
-        fprintf(stderr, "%s: %s%s\n", path, strerror(errno), skip ? ", skipped" : "");
-        return skip ? EXIT_SKIPPED : EXIT_MALFORMED;
+        return oracle_not_open(path, skip_absent);
     }
     const size_t count = rows_read(&file, rows);
     (void)fclose(file.file);
@@ -266,18 +262,4 @@ static int check_file(const char *path, bool skip_absent)
     return good ? code : EXIT_WRONG;
 }
 
-int main(int argc, char **argv)
-{
-    const bool skip_absent = argc > 1 && strcmp(argv[1], "--skip-absent") == 0;
-    const int first = skip_absent ? 2 : 1;
-    if (first >= argc) {
-        fprintf(stderr, "usage: oracle_impulse [--skip-absent] FILE.csv...\n");
-        return EXIT_MALFORMED;
-    }
-    int code = 0;
-    for (int i = first; i < argc; i++) {
-        const int one = check_file(argv[i], skip_absent);
-        code = code == 0 || (code == EXIT_SKIPPED && one != 0) ? one : code;
-    }
-    return code;
-}
+int main(int argc, char **argv) { return oracle_main("oracle_impulse", argc, argv, check_file); }
