@@ -1,17 +1,12 @@
-/* impulse_rows.h: reads tables of reference values for the impulse kernel: lines that begin with #
- * are comments, a header names the columns, cells may be empty where a row has no use for them. */
+/* impulse_rows.h: rows of tables of reference values for the impulse kernel. Cells may be empty
+ * where a row has no use for them. */
 #ifndef AIR_TESTS_IMPULSE_ROWS_H
 #define AIR_TESTS_IMPULSE_ROWS_H
 
-#include <math.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "airlight/impulse.h"
+#include "reference_table.h"
 
-enum { ROWS_MAX = 4096, COLUMNS_MAX = 64, LINE_MAX_BYTES = 4096, NAME_MAX_BYTES = 32 };
+enum { ROWS_MAX = 4096 };
 
 typedef struct impulse_row {
     size_t line;
@@ -24,75 +19,27 @@ typedef struct impulse_row {
     double value, mc_value, mc_error;  /* fluence; NAN where empty */
 } impulse_row;
 
-typedef struct impulse_file {
-    const char *path;
-    FILE *file;
-    size_t line, columns, count;
-    char header[LINE_MAX_BYTES], text[LINE_MAX_BYTES];
-    char *names[COLUMNS_MAX], *cells[COLUMNS_MAX];
-} impulse_file;
-
-static inline bool rows_complain(const impulse_file *self, const char *expected, const char *what)
-{
-    fprintf(stderr, "%s:%zu: expected %s%s\n", self->path, self->line, expected, what);
-    return false;
-}
-
-/* The next line that is no comment, cut into cells. */
-static inline bool rows_split(impulse_file *self, char *text, char **cells, size_t *count)
-{
-    do {
-        if (fgets(text, LINE_MAX_BYTES, self->file) == NULL) {
-            return false;
-        }
-        self->line++;
-    } while (text[0] == '#');
-    text[strcspn(text, "\r\n")] = '\0';
-    *count = 0;
-    for (char *at = text; at != NULL && *count < COLUMNS_MAX;) {
-        cells[(*count)++] = at;
-        at = strchr(at, ',');
-        if (at != NULL) {
-            *at++ = '\0';
-        }
-    }
-    return true;
-}
-
-/* The cell of a column, NULL (said) where there is no such column. */
-static inline const char *rows_cell(const impulse_file *self, const char *name)
-{
-    for (size_t i = 0; i < self->columns; i++) {
-        if (strcmp(self->names[i], name) == 0) {
-            return self->cells[i];
-        }
-    }
-    (void)rows_complain(self, "a column ", name);
-    return NULL;
-}
-
 /* A number in [least, largest]; NAN of an empty cell where that may be. */
-static inline bool rows_number(const impulse_file *self, const char *name, double least,
+static inline bool rows_number(const reference_table *self, const char *name, double least,
                                double largest, bool optional, double *out)
 {
-    char *end;
-    const char *const text = rows_cell(self, name);
+    const char *const text = table_cell(self, name);
     *out = NAN;
     if (text == NULL || (optional && *text == '\0')) {
         return text != NULL;
     }
-    *out = strtod(text, &end);
-    return (end != text && *end == '\0' && *out >= least && *out <= largest) ||
-           rows_complain(self, "a number in range in column ", name);
+    return table_number(self, name, out) &&
+           ((*out >= least && *out <= largest) ||
+            table_complain(self, "a number in range in column ", name));
 }
 
-static inline bool rows_coefficients(const impulse_file *self, impulse_row *row)
+static inline bool rows_coefficients(const reference_table *self, impulse_row *row)
 {
     static const char *const others[5] = {"a_1_1", "a_2_1", "a_2_2", "theta_fit_energy_rad",
                                           "theta_fit_irr_rad"};
     bool good = true;
     for (int l = 0; l < AIR_IMPULSE_ORDER && good; l++) {
-        char name[NAME_MAX_BYTES];
+        char name[TABLE_NAME];
         snprintf(name, sizeof name, "c%d", l);
         good = rows_number(self, name, -1e30, 1e30, false, &row->c[l]);
     }
@@ -103,11 +50,11 @@ static inline bool rows_coefficients(const impulse_file *self, impulse_row *row)
     return good;
 }
 
-static inline bool rows_read_one(const impulse_file *self, impulse_row *row)
+static inline bool rows_read_one(const reference_table *self, impulse_row *row)
 {
     static const char *const emitters[3] = {"point", "directional", "area"};
-    const char *const emitter = rows_cell(self, "emitter");
-    const char *const quantity = rows_cell(self, "quantity");
+    const char *const emitter = table_cell(self, "emitter");
+    const char *const quantity = table_cell(self, "quantity");
     double bounce;
     int found = 0;
     if (emitter == NULL || quantity == NULL) {
@@ -117,13 +64,13 @@ static inline bool rows_read_one(const impulse_file *self, impulse_row *row)
         found++;
     }
     if (found == 3) {
-        return rows_complain(self, "point, directional or area in column emitter", "");
+        return table_complain(self, "point, directional or area in column emitter", "");
     }
     row->line = self->line;
     row->emitter = (air_impulse_emitter)found;
     row->fluence = strcmp(quantity, "fluence") == 0;
     if (!row->fluence && strcmp(quantity, "single_zh") != 0) {
-        return rows_complain(self, "single_zh or fluence in column quantity", "");
+        return table_complain(self, "single_zh or fluence in column quantity", "");
     }
     if (!rows_number(self, "d", 1e-9, 1e9, false, &row->d) ||
         !rows_number(self, "theta_s_rad", 0.0, 3.14159266, row->emitter != AIR_IMPULSE_AREA,
@@ -137,7 +84,7 @@ static inline bool rows_read_one(const impulse_file *self, impulse_row *row)
     }
     row->bounce = (int)bounce;
     if (row->fluence && row->g != 0.0) {
-        return rows_complain(self, "0 in column g where there is a fluence", "");
+        return table_complain(self, "0 in column g where there is a fluence", "");
     }
     return row->fluence ? rows_number(self, "value", 0.0, 1e30, true, &row->value) &&
                               rows_number(self, "mc_value", 0.0, 1e30, true, &row->mc_value) &&
@@ -146,28 +93,17 @@ static inline bool rows_read_one(const impulse_file *self, impulse_row *row)
 }
 
 /* How many rows there are; 0 after a complaint. */
-static inline size_t rows_read(impulse_file *self, impulse_row *rows)
+static inline size_t rows_read(reference_table *self, impulse_row *rows)
 {
     size_t count = 0;
-    if (!rows_split(self, self->header, self->names, &self->columns)) {
-        self->line = 1;
-        (void)rows_complain(self, "a header", "");
-        return 0;
+    bool ok = true;
+    while (count < ROWS_MAX && table_next(self, &ok)) {
+        ok = rows_read_one(self, &rows[count++]);
     }
-    while (count < ROWS_MAX && rows_split(self, self->text, self->cells, &self->count)) {
-        if (self->count != self->columns) {
-            (void)rows_complain(self, "as many cells as the header has", "");
-            return 0;
-        }
-        if (!rows_read_one(self, &rows[count])) {
-            return 0;
-        }
-        count++;
+    if (ok && count == 0) {
+        (void)table_complain(self, "rows after the header", "");
     }
-    if (count == 0) {
-        (void)rows_complain(self, "rows after the header", "");
-    }
-    return count;
+    return ok ? count : 0;
 }
 
 #endif

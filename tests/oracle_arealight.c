@@ -7,7 +7,6 @@
  * which is looked for beside the file. Prints rows, worst errors and where they are. Exit codes: 0
  * all within what is accepted, 1 not, 2 a file that is not such a table, 77 a file is absent and
  * --skip-absent was given. */
-
 #include "arealight_tables.h"
 #include "oracle.h"
 
@@ -81,7 +80,7 @@ static int check_polygons(const char *path, area_row *rows)
         for (int k = 0; k < AREA_G; k++) {
             judged scatter = {.accepted = fabs(area_g[k]) <= 0.9 ? edge_bounds[b].moderate
                                                                  : edge_bounds[b].sharp};
-            char name[AREA_NAME];
+            char name[TABLE_NAME];
             for (size_t i = 0; i < count; i++) {
                 const area_row *r = &rows[i];
                 judge_relative(&scatter,
@@ -112,10 +111,10 @@ static size_t rows_beside(const char *path, area_row *rows)
     return count;
 }
 
-static const area_row *find_row(const area_table *table, const area_row *rows, size_t count)
+static const area_row *find_row(const reference_table *table, const area_row *rows, size_t count)
 {
-    char id[AREA_NAME];
-    if (!area_text(table, "id", id)) {
+    char id[TABLE_NAME];
+    if (!table_text(table, "id", id)) {
         return NULL;
     }
     for (size_t i = 0; i < count; i++) {
@@ -123,7 +122,7 @@ static const area_row *find_row(const area_table *table, const area_row *rows, s
             return &rows[i];
         }
     }
-    (void)area_complain(table, "an id of the table of polygons, not ", id);
+    (void)table_complain(table, "an id of the table of polygons, not ", id);
     return NULL;
 }
 
@@ -134,7 +133,7 @@ static const struct haze_bound {
 
 enum { HAZE_BOUNDS = sizeof haze_bounds / sizeof *haze_bounds };
 
-static int check_haze(area_table *table, const area_row *rows, size_t count)
+static int check_haze(reference_table *table, const area_row *rows, size_t count)
 {
     judged errors[HAZE_BOUNDS];
     size_t read = 0;
@@ -142,11 +141,11 @@ static int check_haze(area_table *table, const area_row *rows, size_t count)
     for (int b = 0; b < HAZE_BOUNDS; b++) {
         errors[b] = (judged){.accepted = haze_bounds[b].accepted};
     }
-    for (; area_next(table, &ok); read++) {
+    for (; table_next(table, &ok); read++) {
         double sigma_t = 0.0, expected = 0.0;
         const area_row *r = find_row(table, rows, count);
-        ok = r != NULL && area_number(table, "mu_t", &sigma_t) &&
-             area_number(table, "Tbar", &expected);
+        ok = r != NULL && table_number(table, "mu_t", &sigma_t) &&
+             table_number(table, "Tbar", &expected);
         for (int b = 0; b < HAZE_BOUNDS && ok; b++) {
             judge_relative(&errors[b],
                            air_area_transmitted_solid_angle(vertices(r), r->count, sigma_t,
@@ -154,13 +153,13 @@ static int check_haze(area_table *table, const area_row *rows, size_t count)
                            expected, table->line);
         }
     }
-    ok = ok && (read > 0 || area_complain(table, "rows after the header", ""));
+    ok = ok && (read > 0 || table_complain(table, "rows after the header", ""));
     if (!ok) {
         return EXIT_MALFORMED;
     }
     printf("%s: %zu rows; worst relative errors:\n", table->path, read);
     for (int b = 0; b < HAZE_BOUNDS; b++) {
-        char name[AREA_NAME];
+        char name[TABLE_NAME];
         snprintf(name, sizeof name, "Tbar, %d nodes", haze_bounds[b].nodes);
         good = report(&errors[b], name) && good;
     }
@@ -182,27 +181,27 @@ typedef struct lobe_errors {
     judged fitted, exact;
 } lobe_errors;
 
-static bool judge_lobes(const area_table *table, const area_row *rows, size_t count,
+static bool judge_lobes(const reference_table *table, const area_row *rows, size_t count,
                         lobe_errors errors[2][AREA_G])
 {
     static const char *const columns[2] = {"S_ltsd_KL", "S_mix"};
     double g = 0.0, exact = 0.0;
     int k = 0;
     const area_row *r = find_row(table, rows, count);
-    if (r == NULL || !area_number(table, "g", &g) || !area_number(table, "S_exact", &exact)) {
+    if (r == NULL || !table_number(table, "g", &g) || !table_number(table, "S_exact", &exact)) {
         return false;
     }
     while (k < AREA_G && area_g[k] != g) {
         k++;
     }
     if (k == AREA_G) {
-        return area_complain(table, "an asymmetry of the table of polygons in column g", "");
+        return table_complain(table, "an asymmetry of the table of polygons in column g", "");
     }
     for (int model = 0; model < 2; model++) {
         double fitted = 0.0;
         const air_area_lobe lobe = model == 0 ? air_area_lobe_ltsd(g) : air_area_lobe_mix(g);
         const double found = air_area_scatter_lobes(vertices(r), r->count, r->wo, &lobe);
-        if (!area_number(table, columns[model], &fitted)) {
+        if (!table_number(table, columns[model], &fitted)) {
             return false;
         }
         judge(&errors[model][k].fitted, found, fitted, fabs(found - fitted), table->line);
@@ -211,16 +210,16 @@ static bool judge_lobes(const area_table *table, const area_row *rows, size_t co
     return true;
 }
 
-static int check_lobes(area_table *table, const area_row *rows, size_t count)
+static int check_lobes(reference_table *table, const area_row *rows, size_t count)
 {
     lobe_errors errors[2][AREA_G];
     size_t read = 0;
     bool ok = count > 0, good = true;
     memset(errors, 0, sizeof errors);
-    for (; area_next(table, &ok); read++) {
+    for (; table_next(table, &ok); read++) {
         ok = judge_lobes(table, rows, count, errors);
     }
-    ok = ok && (read > 0 || area_complain(table, "rows after the header", ""));
+    ok = ok && (read > 0 || table_complain(table, "rows after the header", ""));
     if (!ok) {
         return EXIT_MALFORMED;
     }
@@ -245,23 +244,23 @@ static int check_lobes(area_table *table, const area_row *rows, size_t count)
 
 static int check_file(const char *path, bool skip_absent)
 {
-    static area_table table;         /* 5 KB */
+    static reference_table table;    /* 5 KB */
     static area_row rows[AREA_ROWS]; /* 600 KB */
-    const bool read = area_open(&table, path);
+    const bool read = table_open(&table, path);
     int code = EXIT_MALFORMED;
     if (table.file == NULL) {
         return oracle_not_open(path, skip_absent);
     }
-    if (read && area_find(&table, "wox") >= 0) {
+    if (read && table_find(&table, "wox") >= 0) {
         code = check_polygons(path, rows);
-    } else if (read && area_find(&table, "Tbar") >= 0) {
+    } else if (read && table_find(&table, "Tbar") >= 0) {
         code = check_haze(&table, rows, rows_beside(path, rows));
-    } else if (read && area_find(&table, "S_ltsd_KL") >= 0) {
+    } else if (read && table_find(&table, "S_ltsd_KL") >= 0) {
         code = check_lobes(&table, rows, rows_beside(path, rows));
     } else if (read) {
-        (void)area_complain(&table, "a column wox, Tbar or S_ltsd_KL", "");
+        (void)table_complain(&table, "a column wox, Tbar or S_ltsd_KL", "");
     }
-    area_close(&table);
+    table_close(&table);
     return code;
 }
 

@@ -7,27 +7,12 @@
  * t_begin, t_end, d_begin, the last three empty where T is 0. Prints rows, worst relative error and
  * where it is. Exit codes: 0 all within 1e-9, 1 not, 2 a file that is not such a table, 77 a file
  * is absent and --skip-absent was given. */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "airlight/collimated.h"
 #include "oracle.h"
-
-enum { MOST_COLUMNS = 64, LINE = 4096, NAME = 32 };
+#include "reference_table.h"
 
 /* Required of every row; the kernel itself reaches 1e-13. */
 static const double accepted = 1e-9;
-
-typedef struct table {
-    const char *path;
-    FILE *file;
-    size_t line, columns;
-    char names[MOST_COLUMNS][NAME];
-    char text[LINE];
-    const char *cells[MOST_COLUMNS];
-} table;
 
 typedef struct row {
     air_collimated_medium medium;
@@ -52,87 +37,36 @@ typedef struct worst_error {
     size_t line;
 } worst_error;
 
-static bool complain(const table *self, const char *expected, const char *what)
-{
-    fprintf(stderr, "%s:%zu: expected %s%s\n", self->path, self->line, expected, what);
-    return false;
-}
-
-/* Splits the next line into cells. False at the end of the file. */
-static bool read_line(table *self)
-{
-    if (fgets(self->text, LINE, self->file) == NULL) {
-        return false;
-    }
-    self->line++;
-    self->text[strcspn(self->text, "\r\n")] = '\0';
-    size_t count = 0;
-    for (char *at = self->text; at != NULL && count < MOST_COLUMNS; count++) {
-        self->cells[count] = at;
-        at = strchr(at, ',');
-        if (at != NULL) {
-            *at++ = '\0';
-        }
-    }
-    self->columns = count;
-    return true;
-}
-
-static ptrdiff_t find(const table *self, const char *name)
-{
-    for (size_t i = 0; i < MOST_COLUMNS; i++) {
-        if (strcmp(self->names[i], name) == 0) {
-            return (ptrdiff_t)i;
-        }
-    }
-    return -1;
-}
-
-static bool number(const table *self, const char *name, double *out)
-{
-    const ptrdiff_t column = find(self, name);
-    if (column < 0) {
-        return complain(self, "a column ", name);
-    }
-    char *end;
-    const char *text = self->cells[column];
-    *out = strtod(text, &end);
-    if (end == text || *end != '\0' || isnan(*out)) {
-        return complain(self, "a number in column ", name);
-    }
-    return true;
-}
-
-static bool vector(const table *self, const char *prefix, double out[3])
+static bool vector(const reference_table *self, const char *prefix, double out[3])
 {
     bool ok = true;
     for (int i = 0; i < 3 && ok; i++) {
-        char name[NAME];
+        char name[TABLE_NAME];
         snprintf(name, sizeof name, "%s%c", prefix, "xyz"[i]);
-        ok = number(self, name, &out[i]);
+        ok = table_number(self, name, &out[i]);
     }
     return ok;
 }
 
-static bool read_box(const table *self, air_collimated_medium *out)
+static bool read_box(const reference_table *self, air_collimated_medium *out)
 {
     double matrix[12];
     for (int i = 0; i < 12; i++) {
-        char name[NAME];
+        char name[TABLE_NAME];
         snprintf(name, sizeof name, "B%d%d", i / 4, i % 4);
-        if (!number(self, name, &matrix[i])) {
+        if (!table_number(self, name, &matrix[i])) {
             return false;
         }
     }
     return air_collimated_medium_from_box(NULL, matrix, out) == AIR_OK ||
-           complain(self, "a box that is not degenerate", "");
+           table_complain(self, "a box that is not degenerate", "");
 }
 
 /* Twelve unit normals (0, +-1, +-g)/sqrt(1 + g^2) and their cyclic shifts, g the golden ratio. */
-static bool read_dodecahedron(const table *self, air_collimated_medium *out)
+static bool read_dodecahedron(const reference_table *self, air_collimated_medium *out)
 {
     double centre[3], inradius, planes[12][4];
-    if (!vector(self, "c", centre) || !number(self, "inradius", &inradius)) {
+    if (!vector(self, "c", centre) || !table_number(self, "inradius", &inradius)) {
         return false;
     }
     const double golden = 0.5 * (1.0 + sqrt(5.0)), length = sqrt(1.0 + golden * golden);
@@ -145,36 +79,24 @@ static bool read_dodecahedron(const table *self, air_collimated_medium *out)
         n[3] = inradius + (n[0] * centre[0] + n[1] * centre[1] + n[2] * centre[2]);
     }
     return air_collimated_medium_from_planes(NULL, (const double(*)[4])planes, 12, out) == AIR_OK ||
-           complain(self, "a dodecahedron of finite numbers", "");
+           table_complain(self, "a dodecahedron of finite numbers", "");
 }
 
-static bool read_row(const table *self, row *out)
+static bool read_row(const reference_table *self, row *out)
 {
-    const bool box = find(self, "B00") >= 0;
+    const bool box = table_find(self, "B00") >= 0;
     bool ok = box ? read_box(self, &out->medium) : read_dodecahedron(self, &out->medium);
     ok = ok && vector(self, "o", out->origin) && vector(self, "v", out->dir) &&
-         vector(self, "l", out->to_light) && number(self, "sigma_t", &out->sigma_t) &&
-         number(self, "t_max", &out->t_max) && number(self, box ? "T_box" : "T", &out->integral) &&
-         number(self, "log_T", &out->log_integral);
+         vector(self, "l", out->to_light) && table_number(self, "sigma_t", &out->sigma_t) &&
+         table_number(self, "t_max", &out->t_max) &&
+         table_number(self, box ? "T_box" : "T", &out->integral) &&
+         table_number(self, "log_T", &out->log_integral);
     out->empty = ok && out->log_integral == -INFINITY;
     if (!ok || out->empty) {
         return ok;
     }
-    return number(self, "t_begin", &out->begin) && number(self, "t_end", &out->end) &&
-           number(self, "d_begin", &out->d_begin);
-}
-
-static bool read_header(table *self)
-{
-    if (!read_line(self)) {
-        self->line = 1;
-        return complain(self, "a header", "");
-    }
-    for (size_t i = 0; i < self->columns; i++) {
-        snprintf(self->names[i], NAME, "%s", self->cells[i]);
-    }
-    return find(self, "B00") >= 0 || find(self, "inradius") >= 0 ||
-           complain(self, "a column B00 or inradius", "");
+    return table_number(self, "t_begin", &out->begin) && table_number(self, "t_end", &out->end) &&
+           table_number(self, "d_begin", &out->d_begin);
 }
 
 static double relative(double value, double reference)
@@ -247,22 +169,19 @@ static double batched_error(const row *r)
 
 static int check_file(const char *path, bool skip_absent)
 {
-    static table self; /* 6 KB */
-    memset(&self, 0, sizeof self);
-    self.path = path;
-    self.file = fopen(path, "r");
+    static reference_table self; /* 7 KB */
+    bool ok = table_open(&self, path);
     if (self.file == NULL) {
         return oracle_not_open(path, skip_absent);
     }
     worst_error worst[QUANTITIES] = {{0.0, 0}};
     size_t rows = 0;
-    bool ok = read_header(&self);
-    const size_t columns = self.columns;
-    while (ok && read_line(&self)) {
+    ok = ok && (table_find(&self, "B00") >= 0 || table_find(&self, "inradius") >= 0 ||
+                table_complain(&self, "a column B00 or inradius", ""));
+    while (table_next(&self, &ok)) {
         row r;
         double errors[QUANTITIES];
-        ok = (self.columns == columns || complain(&self, "as many cells as the header has", "")) &&
-             read_row(&self, &r);
+        ok = read_row(&self, &r);
         if (!ok) {
             break;
         }
@@ -275,9 +194,9 @@ static int check_file(const char *path, bool skip_absent)
         }
         rows++;
     }
-    (void)fclose(self.file);
+    table_close(&self);
     if (ok && rows == 0) {
-        ok = complain(&self, "rows after the header", "");
+        ok = table_complain(&self, "rows after the header", "");
     }
     if (!ok) {
         return EXIT_MALFORMED;

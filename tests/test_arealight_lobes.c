@@ -32,23 +32,23 @@ static const air_area_lobe *any_lobe(int i)
 static void tables_are_met(void **state)
 {
     (void)state;
-    static area_table table;
+    static reference_table table;
     const size_t count =
         area_read_rows(AIR_SHARED_DIR "/spec/data/area-lights/oracle_public.csv", rows);
-    bool ok = area_open(&table, AIR_SHARED_DIR "/spec/data/area-lights/oracle_ltsd_public.csv");
+    bool ok = table_open(&table, AIR_SHARED_DIR "/spec/data/area-lights/oracle_ltsd_public.csv");
     if (count == 0 || table.file == NULL) {
         printf("skipped: no tables of reference values\n");
         skip();
     }
     size_t read = 0;
     double squares[AREA_G][2] = {{0.0}}, means[AREA_G] = {0.0};
-    for (; area_next(&table, &ok); read++) {
-        char id[AREA_NAME];
+    for (; table_next(&table, &ok); read++) {
+        char id[TABLE_NAME];
         double g = 0.0, expected[2] = {0.0}, exact = 0.0;
-        assert_true(area_text(&table, "id", id) && area_number(&table, "g", &g) &&
-                    area_number(&table, "S_ltsd_KL", &expected[0]) &&
-                    area_number(&table, "S_mix", &expected[1]) &&
-                    area_number(&table, "S_exact", &exact));
+        assert_true(table_text(&table, "id", id) && table_number(&table, "g", &g) &&
+                    table_number(&table, "S_ltsd_KL", &expected[0]) &&
+                    table_number(&table, "S_mix", &expected[1]) &&
+                    table_number(&table, "S_exact", &exact));
         size_t i = 0, k = 0;
         while (i < count && strcmp(rows[i].id, id) != 0) {
             i++;
@@ -70,7 +70,7 @@ static void tables_are_met(void **state)
             }
         }
     }
-    area_close(&table);
+    table_close(&table);
     assert_true(ok && read == count * AREA_G);
     /* Root of the mean square error by the mean, as the spec has it, to its digits. */
     static const double known[2][AREA_G] = {{0.083, 0.059, 0.052, 0.0, 0.055, 0.092, 0.072},

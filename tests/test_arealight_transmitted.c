@@ -51,10 +51,10 @@ static void e2_solves_its_equation(void **state)
 static void tables_are_met(void **state)
 {
     (void)state;
-    static area_table table;
+    static reference_table table;
     const size_t count =
         area_read_rows(AIR_SHARED_DIR "/spec/data/area-lights/oracle_public.csv", rows);
-    bool ok = area_open(&table, AIR_SHARED_DIR "/spec/data/area-lights/oracleT_public.csv");
+    bool ok = table_open(&table, AIR_SHARED_DIR "/spec/data/area-lights/oracleT_public.csv");
     if (count == 0 || table.file == NULL) {
         printf("skipped: no tables of reference values\n");
         skip();
@@ -64,12 +64,12 @@ static void tables_are_met(void **state)
         double error;
     } bounds[] = {{48, 1e-9}, {32, 1e-9}, {16, 1e-7}, {8, 1e-5}, {6, 1e-3}, {4, 1e-3}};
     size_t read = 0;
-    for (; area_next(&table, &ok); read++) {
-        char id[AREA_NAME];
+    for (; table_next(&table, &ok); read++) {
+        char id[TABLE_NAME];
         double sigma_t = 0.0, expected = 0.0;
         size_t i = 0;
-        assert_true(area_text(&table, "id", id) && area_number(&table, "mu_t", &sigma_t) &&
-                    area_number(&table, "Tbar", &expected));
+        assert_true(table_text(&table, "id", id) && table_number(&table, "mu_t", &sigma_t) &&
+                    table_number(&table, "Tbar", &expected));
         while (i < count && strcmp(rows[i].id, id) != 0) {
             i++;
         }
@@ -83,7 +83,7 @@ static void tables_are_met(void **state)
             }
         }
     }
-    area_close(&table);
+    table_close(&table);
     assert_true(ok && read > 0);
 }
 

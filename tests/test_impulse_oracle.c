@@ -37,7 +37,7 @@ static void tables_are_judged_and_what_is_none_is_named(void **state)
         {"# comment\n" SHORT FLUENCE "0.4340201594,0.434,1e-3\n", "1 rows", 0},
         {SHORT FLUENCE "0.43403,,\n", "TOO LARGE", 1},
         {SHORT FLUENCE "0.4340201594,0.44,1e-3\n", "TOO LARGE", 1},
-        {SHORT FLUENCE "x,,\n", ":2: expected a number in range in column value", 2},
+        {SHORT FLUENCE "x,,\n", ":2: expected a number in column value", 2},
         {SHORT FLUENCE "1\n", ":2: expected as many cells", 2},
         {SHORT "a,lamp,fluence,1,,0,1,0,1,1,,\n", "column emitter", 2},
         {SHORT "a,point,flux,1,,0,1,0,1,1,,\n", "column quantity", 2},
