@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "atlas_fixture.h"
-#include "failing_allocator.h"
+#include "memory_shortage.h"
 
 static air_coverage *cover(air_context *context, size_t width, size_t height,
                            const air_atlas_part *parts, size_t count, air_coverage_report *report)
@@ -477,34 +477,24 @@ static void threads_do_not_matter(void **state)
     atlas_mesh_free(&mesh);
 }
 
+static air_status try_coverage(air_context *context, void *part)
+{
+    air_coverage *self = NULL;
+    air_coverage_overlap overlap;
+    air_status status = air_coverage_create(context, 40, 40, part, 1, &self, NULL);
+    if (status == AIR_OK) {
+        status = air_coverage_find_overlap(context, self, &overlap);
+    }
+    air_coverage_destroy(context, self);
+    return status;
+}
+
 static void want_of_memory_is_reported(void **state)
 {
     (void)state;
     atlas_mesh mesh = atlas_grid(6, 0.2f, 2);
-    const air_atlas_part part = atlas_part(&mesh, 0.0, 0.0, 40.0, 40.0);
-    air_status status = AIR_ERROR_MEMORY;
-    for (long allowed = 1; status != AIR_OK; allowed++) {
-        failing_allocator allocator;
-        air_context_params params = failing_params(&allocator, allowed);
-        air_context *context;
-        air_coverage *self = NULL;
-        air_coverage_overlap overlap;
-        params.thread_count = 1;
-        assert_true(allowed < 100);
-        if (air_context_create(&params, &context) != AIR_OK) {
-            continue;
-        }
-        const long before = atomic_load(&allocator.live);
-        status = air_coverage_create(context, 40, 40, &part, 1, &self, NULL);
-        if (status == AIR_OK) {
-            status = air_coverage_find_overlap(context, self, &overlap);
-        }
-        assert_true(status == AIR_OK || status == AIR_ERROR_MEMORY);
-        air_coverage_destroy(context, self);
-        assert_true(status != AIR_OK || atomic_load(&allocator.live) == before);
-        air_context_destroy(context);
-        assert_int_equal(atomic_load(&allocator.live), 0);
-    }
+    air_atlas_part part = atlas_part(&mesh, 0.0, 0.0, 40.0, 40.0);
+    assert_shortage_survived(try_coverage, &part, 100);
     atlas_mesh_free(&mesh);
 }
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "atlas_fixture.h"
-#include "failing_allocator.h"
+#include "memory_shortage.h"
 
 enum { SIZE = 96, TEXELS = SIZE * SIZE };
 
@@ -339,32 +339,25 @@ static void wrong_arguments_are_refused(void **state)
     air_context_destroy(context);
 }
 
+static air_status try_denoise(air_context *context, void *user)
+{
+    page *const p = user;
+    float *const planes[1] = {p->planes[0]};
+    const float *const variance[1] = {p->variance[0]};
+    const air_atlas_guides guides = guides_of(p);
+    const air_atlas_layer layer = {planes, variance, 1};
+    air_atlas_denoise_params params;
+    air_atlas_denoise_params_default(&params);
+    return air_atlas_denoise(context, &guides, &params, &layer);
+}
+
 static void want_of_memory_is_reported(void **state)
 {
     static page p;
     (void)state;
     make_surface(&p);
     make_noise(&p, 1.0, 4, 9);
-    air_status status = AIR_ERROR_MEMORY;
-    for (long allowed = 1; status != AIR_OK; allowed++) {
-        failing_allocator allocator;
-        air_context_params host = failing_params(&allocator, allowed);
-        air_atlas_denoise_params params;
-        air_context *context;
-        assert_true(allowed < 50);
-        if (air_context_create(&host, &context) != AIR_OK) {
-            continue;
-        }
-        float *const planes[1] = {p.planes[0]};
-        const float *const variance[1] = {p.variance[0]};
-        const air_atlas_guides guides = guides_of(&p);
-        const air_atlas_layer layer = {planes, variance, 1};
-        air_atlas_denoise_params_default(&params);
-        status = air_atlas_denoise(context, &guides, &params, &layer);
-        assert_true(status == AIR_OK || status == AIR_ERROR_MEMORY);
-        air_context_destroy(context);
-        assert_int_equal(atomic_load(&allocator.live), 0);
-    }
+    assert_shortage_survived(try_denoise, &p, 50);
 }
 
 int main(void)

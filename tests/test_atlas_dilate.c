@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "atlas_fixture.h"
-#include "failing_allocator.h"
+#include "memory_shortage.h"
 
 enum { WIDTH = 53, HEIGHT = 41, TEXELS = WIDTH * HEIGHT };
 
@@ -150,28 +150,21 @@ static void wrong_arguments_are_refused(void **state)
     air_context_destroy(context);
 }
 
+static air_status try_dilate(air_context *context, void *user)
+{
+    page *const p = user;
+    float *const planes[1] = {p->planes[0]};
+    air_dilate_params params;
+    air_dilate_params_default(&params);
+    return air_dilate(context, WIDTH, HEIGHT, p->charts, &params, planes, 1);
+}
+
 static void want_of_memory_is_reported(void **state)
 {
     static page p;
-    float *const planes[1] = {p.planes[0]};
     (void)state;
     make_page(&p, 0.1f, 1);
-    air_status status = AIR_ERROR_MEMORY;
-    for (long allowed = 1; status != AIR_OK; allowed++) {
-        failing_allocator allocator;
-        air_context_params host = failing_params(&allocator, allowed);
-        air_dilate_params params;
-        air_context *context;
-        assert_true(allowed < 50);
-        if (air_context_create(&host, &context) != AIR_OK) {
-            continue;
-        }
-        air_dilate_params_default(&params);
-        status = air_dilate(context, WIDTH, HEIGHT, p.charts, &params, planes, 1);
-        assert_true(status == AIR_OK || status == AIR_ERROR_MEMORY);
-        air_context_destroy(context);
-        assert_int_equal(atomic_load(&allocator.live), 0);
-    }
+    assert_shortage_survived(try_dilate, &p, 50);
 }
 
 int main(void)

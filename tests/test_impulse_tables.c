@@ -6,8 +6,8 @@
 #include "airlight/impulse.h"
 #include "cmocka_test.h"
 #include "core/vec.h"
-#include "failing_allocator.h"
 #include "impulse/tables.h"
+#include "memory_shortage.h"
 
 enum { ORDER = AIR_IMPULSE_ORDER, COUNT = AIR_IMPULSE_SH_COUNT };
 
@@ -197,27 +197,22 @@ static void wrong_parameters_are_refused(void **state)
     air_context_destroy(context);
 }
 
+static air_status try_tables(air_context *context, void *params)
+{
+    air_impulse_tables *tables;
+    const air_status status = air_impulse_tables_create(context, params, &tables);
+    assert_int_equal(tables != NULL, status == AIR_OK);
+    air_impulse_tables_destroy(tables);
+    return status;
+}
+
 static void lack_of_memory_leaves_nothing(void **state)
 {
-    failing_allocator allocator;
     air_impulse_params params = small_params();
-    air_status status = AIR_ERROR_MEMORY;
     (void)state;
     params.bins = 8;
     params.bounces = 2;
-    for (long allowed = 1; status != AIR_OK; allowed++) {
-        air_context_params context_params = failing_params(&allocator, 1000);
-        air_context *context;
-        air_impulse_tables *tables;
-        assert_int_equal(air_context_create(&context_params, &context), AIR_OK);
-        atomic_store(&allocator.remaining, allowed);
-        status = air_impulse_tables_create(context, &params, &tables);
-        assert_true(status == AIR_OK || (status == AIR_ERROR_MEMORY && tables == NULL));
-        air_impulse_tables_destroy(tables);
-        air_context_destroy(context);
-        assert_int_equal(atomic_load(&allocator.live), 0);
-        assert_true(allowed < 100);
-    }
+    assert_shortage_survived(try_tables, &params, 100);
 }
 
 /* Fitted axes: against the coefficients that they stand for, with the errors that are published of
