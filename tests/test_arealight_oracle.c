@@ -1,18 +1,11 @@
 /* What the program oracle_arealight says of tables, good ones, wrong ones and what is none. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include "cmocka_test.h"
+#include "oracle_run.h"
 
 #ifdef AIR_ORACLE_AREALIGHT
 
 /* Writes polygons to oracle_public.csv and a table beside it, and runs the program on one of them.
  * Its exit code, and the beginning of what it said. */
-static int run_oracle(const char *polygons, const char *table, char said[4096])
+static int run_oracle(const char *polygons, const char *table, char said[ORACLE_SAID])
 {
     char folder[] = "/tmp/airlight-oracle-XXXXXX", paths[2][64], command[512];
     assert_non_null(mkdtemp(folder));
@@ -28,14 +21,11 @@ static int run_oracle(const char *polygons, const char *table, char said[4096])
     }
     snprintf(command, sizeof command, "%s %s 2>&1", AIR_ORACLE_AREALIGHT,
              paths[table == NULL ? 0 : 1]);
-    FILE *const output = popen(command, "r");
-    assert_non_null(output);
-    said[fread(said, 1, 4095, output)] = '\0';
-    const int status = pclose(output);
+    const int code = oracle_command(command, said);
     (void)unlink(paths[0]);
     (void)unlink(paths[1]);
     assert_int_equal(rmdir(folder), 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return code;
 }
 
 #define POLYGONS                                                                                   \
@@ -79,7 +69,7 @@ static void tables_are_judged_and_what_is_none_is_named(void **state)
         {POLYGONS GOOD, LOBES "a,0,0.126,0.125,0.125\n", "TOO LARGE", 1},
         {POLYGONS GOOD, LOBES "a,0.3,0.125,0.125,0.125\n", ":2: expected an asymmetry", 2},
     };
-    char said[4096];
+    char said[ORACLE_SAID];
     for (size_t i = 0; i < sizeof judged / sizeof *judged; i++) {
         const int code = run_oracle(judged[i].polygons, judged[i].table, said);
         if (code != judged[i].code || strstr(said, judged[i].said) == NULL) {

@@ -2,13 +2,8 @@
  * numbers were made by quadrature in extended precision, and the PSNR of the estimators by another
  * program; both come with the description of the scene. And what the program oracle_collimated says
  * of tables that are none. */
-#include <stdio.h>
-#include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include "cmocka_test.h"
 #include "collimated_fixture.h"
+#include "oracle_run.h"
 
 enum { SIZE = 256, PIXELS = SIZE * SIZE, MOST_SPP = 16 };
 
@@ -259,23 +254,6 @@ static void estimators_reach_their_psnr(void **state)
     }
 }
 
-/* Runs oracle_collimated on a table; its exit code, and the beginning of what it said. */
-static int run_oracle(const char *option, const char *table, char said[1024])
-{
-    char path[] = "/tmp/airlight-oracle-XXXXXX", command[512];
-    const int file = mkstemp(path);
-    assert_true(file >= 0);
-    assert_true(write(file, table, strlen(table)) == (ssize_t)strlen(table));
-    assert_int_equal(close(file), 0);
-    snprintf(command, sizeof command, "%s %s %s 2>&1", AIR_ORACLE_COLLIMATED, option, path);
-    FILE *const output = popen(command, "r");
-    assert_non_null(output);
-    said[fread(said, 1, 1023, output)] = '\0';
-    const int status = pclose(output);
-    assert_int_equal(unlink(path), 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
 #define HEADER                                                                                     \
     "id,category,B00,B01,B02,B03,B10,B11,B12,B13,B20,B21,B22,B23,ox,oy,oz,vx,vy,vz,lx,ly,lz,"      \
     "sigma_t,t_max,T_box,log_T,t_begin,t_end,d_begin\n"
@@ -304,18 +282,21 @@ static void tables_are_judged_and_what_is_none_is_named(void **state)
         {"a,b\n1,2\n", ":1: expected a column B00 or inradius", 2},
         {"inradius,cx,cy\n1,2,3\n", ":2: expected a column cz", 2},
     };
-    char said[1024];
+    char said[ORACLE_SAID];
     for (size_t i = 0; i < sizeof judged / sizeof *judged; i++) {
-        const int code = run_oracle("", judged[i].table, said);
+        const int code = oracle_run(AIR_ORACLE_COLLIMATED, "", judged[i].table, said);
         if (code != judged[i].code || strstr(said, judged[i].said) == NULL) {
             fail_msg("exit code %d instead of %d, \"%s\" not in \"%s\"", code, judged[i].code,
                      judged[i].said, said);
         }
     }
-    assert_int_equal(run_oracle("/nowhere/table.csv", HEADER GOOD, said), 2);
-    assert_int_equal(run_oracle("--skip-absent /nowhere/table.csv", HEADER GOOD, said), 77);
+    assert_int_equal(oracle_run(AIR_ORACLE_COLLIMATED, "/nowhere/table.csv", HEADER GOOD, said), 2);
+    assert_int_equal(
+        oracle_run(AIR_ORACLE_COLLIMATED, "--skip-absent /nowhere/table.csv", HEADER GOOD, said),
+        77);
     assert_non_null(strstr(said, "/nowhere/table.csv: No such file or directory, skipped"));
-    assert_int_equal(run_oracle("--skip-absent /nowhere/table.csv", "", said), 2);
+    assert_int_equal(
+        oracle_run(AIR_ORACLE_COLLIMATED, "--skip-absent /nowhere/table.csv", "", said), 2);
 }
 
 int main(void)

@@ -1,27 +1,5 @@
 /* What the program oracle_impulse says of tables, good ones, wrong ones and what is none. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include "cmocka_test.h"
-
-static int run_oracle(const char *options, const char *table, char said[4096])
-{
-    char path[] = "/tmp/airlight-oracle-XXXXXX", command[512];
-    const int file = mkstemp(path);
-    assert_true(file >= 0);
-    assert_int_equal(write(file, table, strlen(table)), (ssize_t)strlen(table));
-    assert_int_equal(close(file), 0);
-    snprintf(command, sizeof command, "%s %s %s 2>&1", AIR_ORACLE_IMPULSE, options, path);
-    FILE *const output = popen(command, "r");
-    assert_non_null(output);
-    said[fread(said, 1, 4095, output)] = '\0';
-    const int status = pclose(output);
-    (void)unlink(path);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
+#include "oracle_run.h"
 
 #define SHORT                                                                                      \
     "id,emitter,quantity,d,theta_s_rad,g,sigma_s,sigma_a,bounce,value,mc_value,mc_stderr\n"
@@ -50,10 +28,10 @@ static void tables_are_judged_and_what_is_none_is_named(void **state)
         {"", ":1: expected a header", 2},
         {"a,b\n1,2\n", ":2: expected a column emitter", 2},
     };
-    char said[4096];
+    char said[ORACLE_SAID];
     (void)state;
     for (size_t i = 0; i < sizeof judged / sizeof judged[0]; i++) {
-        const int code = run_oracle("", judged[i].table, said);
+        const int code = oracle_run(AIR_ORACLE_IMPULSE, "", judged[i].table, said);
         if (code != judged[i].code || strstr(said, judged[i].said) == NULL) {
             print_message("table %zu: code %d: %s\n", i, code, said);
             fail();
@@ -63,12 +41,14 @@ static void tables_are_judged_and_what_is_none_is_named(void **state)
 
 static void absent_files_are_skipped_if_so_asked(void **state)
 {
-    char said[4096];
+    char said[ORACLE_SAID];
     (void)state;
-    assert_int_equal(
-        run_oracle("--skip-absent no-such-file", SHORT FLUENCE "0.4340201594,,\n", said), 77);
+    assert_int_equal(oracle_run(AIR_ORACLE_IMPULSE, "--skip-absent no-such-file",
+                                SHORT FLUENCE "0.4340201594,,\n", said),
+                     77);
     assert_non_null(strstr(said, "skipped"));
-    assert_int_equal(run_oracle("no-such-file", SHORT FLUENCE "0.4340201594,,\n", said), 2);
+    assert_int_equal(
+        oracle_run(AIR_ORACLE_IMPULSE, "no-such-file", SHORT FLUENCE "0.4340201594,,\n", said), 2);
 }
 
 int main(void)
