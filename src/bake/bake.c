@@ -298,9 +298,6 @@ static air_status bake_pages(baking *b)
     return status;
 }
 
-/* At least so much of a vertex' samples must be outside of solid things. */
-#define VALID_SHARE 0.5f
-
 /* What of a vertex' records is its layers' light, in order of vertices. */
 static air_status take_vertices(baking *b, const air_vertex_sites *sites, const air_site_list *list,
                                 air_vertex_light *out)
@@ -309,7 +306,7 @@ static air_status take_vertices(baking *b, const air_vertex_sites *sites, const 
     uint8_t *valid = air_allocate(b->context, list->count, 1);
     air_status status = valid == NULL ? air_fail_memory(b->context, out->name) : AIR_OK;
     for (size_t i = 0; i < list->count && status == AIR_OK; i++) {
-        valid[i] = list->records[i * stride + AIR_SITE_VALIDITY] >= VALID_SHARE;
+        valid[i] = list->records[i * stride + AIR_SITE_VALIDITY] >= AIR_SITE_VALID_SHARE;
     }
     for (size_t layer = 0; layer < AIR_LAYER_COUNT && status == AIR_OK; layer++) {
         float *light = air_allocate(b->context, list->count, 3 * sizeof *light);

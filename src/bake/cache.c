@@ -69,13 +69,10 @@ static bool draw_point(const void *user, size_t site, const float u[2], air_path
     return true;
 }
 
-/* At least half of the cell must be open. */
-#define OPEN_SHARE 0.5f
-
 static void take_record(const float *record, air_cache_point *out)
 {
     const float *harmonics = record + AIR_SITE_HARMONICS;
-    out->weight = record[AIR_SITE_VALIDITY] >= OPEN_SHARE ? 1.0f : 0.0f;
+    out->weight = record[AIR_SITE_VALIDITY] >= AIR_SITE_VALID_SHARE ? 1.0f : 0.0f;
     for (size_t i = 0; i < COEFFICIENTS; i++) {
         for (size_t c = 0; c < 3; c++) {
             const float *at = harmonics + 3 * i + c;
@@ -295,7 +292,7 @@ air_vec3 air_light_cache_scattered(const void *cache, air_vec3 position, uint32_
     air_vec3 sum = vec3_set1(0.0f);
     air_sh_evaluate_3(from, factors);
     for (int i = 0; i < COEFFICIENTS; i++) {
-        factors[i] *= m->moments[i == 0 ? 0 : i < 4 ? 1 : 2];
+        factors[i] *= m->moments[air_sh_band_3(i)];
     }
     for (size_t k = 0; k < m->grids.count && rest > 0.0f; k++) {
         const air_cache_grid *g = &m->grids.grids[k];

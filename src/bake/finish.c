@@ -24,9 +24,6 @@ static const char *const names[CHANNELS_DIRECTIONAL] = {
     "albedo.B",   "coverage.Y", "L0.R",    "L0.G",     "L0.B",     "L1.y.R",   "L1.y.G",
     "L1.y.B",     "L1.z.R",     "L1.z.G",  "L1.z.B",   "L1.x.R",   "L1.x.G",   "L1.x.B"};
 
-/* At least so much of a texel's samples must be outside of solid things. */
-#define VALID_SHARE 0.5f
-
 /* ---- what a texel shows ---- */
 
 /* Position, normal and diffuse albedo in the middle of what is covered of a texel. */
@@ -45,14 +42,11 @@ static bool place_of(const air_texel_sites *sites, uint32_t texel, texel_place *
         !air_coverage_draw(page->coverage, x, y, middle, &point)) {
         return false;
     }
-    size_t triangle;
-    const size_t part = air_coverage_part(page->coverage, point.triangle, &triangle);
-    const air_mesh *mesh = sites->snapshot->meshes[page->part_meshes[part]];
-    const float u = (float)point.weights[1], v = (float)point.weights[2];
-    if (!air_surface_place_make(mesh, (uint32_t)triangle, u, v, &out->place)) {
+    air_hit hit = air_texel_hit(page, &point);
+    const air_mesh *mesh = sites->snapshot->meshes[hit.mesh];
+    if (!air_surface_place_make(mesh, hit.triangle, hit.u, hit.v, &out->place)) {
         return false;
     }
-    air_hit hit = {.u = u, .v = v, .mesh = page->part_meshes[part], .triangle = (uint32_t)triangle};
     air_surface surface;
     vec3_store(hit.normal, mesh->flip ? vec3_neg(out->place.geometric) : out->place.geometric);
     air_surface_make(sites->snapshot, &hit, vec3_neg(out->place.geometric), &surface);
@@ -98,7 +92,7 @@ static void store_texel(const air_texel_sites *sites, const air_site_list *list,
     const float *record = list->records + site * air_site_stride(list);
     const uint32_t texel = sites->texels[site], width = sites->page->width;
     texel_place at;
-    if (record[AIR_SITE_VALIDITY] < VALID_SHARE || !place_of(sites, texel, &at)) {
+    if (record[AIR_SITE_VALIDITY] < AIR_SITE_VALID_SHARE || !place_of(sites, texel, &at)) {
         out->charts[texel] = AIR_NO_CHART;
         out->invalid++;
         return;

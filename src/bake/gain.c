@@ -75,10 +75,8 @@ static void add_axes(air_gain *gain, const air_path_receiver *receiver, const ai
         float y[AIR_PROBE_COEFFICIENTS];
         air_sh_evaluate_3(at, y);
         for (size_t i = 0; i < count; i++) {
-            const float weight = y[i] * (4.0f * AIR_PI_F / CORNERS) *
-                                 inverse[i == 0  ? 0
-                                         : i < 4 ? 1
-                                                 : 2];
+            const float weight =
+                y[i] * (4.0f * AIR_PI_F / CORNERS) * inverse[air_sh_band_3((int)i)];
             double *sum = gain->harmonics[AIR_LAYER_MEDIA][i];
             sum[0] += (double)(value.x * weight);
             sum[1] += (double)(value.y * weight);

@@ -11,7 +11,7 @@
  * page has left of it. A mesh that fills a page needs no room around it. */
 static double margin_of(double size, const air_bake_params *params)
 {
-    const double margin = (double)((params->padding + 1) / 2);
+    const double margin = (double)air_half_padding(params);
     const double most = floor(0.5 * ((double)params->page_size - ceil(size)));
     return margin < most ? margin : most;
 }
@@ -22,7 +22,7 @@ static void grow(const air_mesh_rectangle *rectangle, const air_bake_params *par
 {
     const double sides[2] = {rectangle->width, rectangle->height};
     for (int k = 0; k < 2; k++) {
-        const double wanted = ceil(sides[k]) + 2.0 * (double)((params->padding + 1) / 2);
+        const double wanted = ceil(sides[k]) + 2.0 * (double)air_half_padding(params);
         out->size[k] = wanted < (double)params->page_size ? wanted : (double)params->page_size;
     }
     out->fixed = true;

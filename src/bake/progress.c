@@ -179,11 +179,6 @@ void air_bake_progress_close(air_bake_progress *self, bool complete)
 
 /* ---- the run ---- */
 
-static size_t job_count(const air_site_list *list)
-{
-    return (list->count + AIR_SITE_JOB - 1) / AIR_SITE_JOB;
-}
-
 static size_t job_floats(const air_site_list *list, size_t job)
 {
     const size_t first = job * AIR_SITE_JOB, rest = list->count - first;
@@ -204,13 +199,13 @@ air_status air_bake_progress_enter(air_bake_progress *self, air_site_list *list)
         return AIR_OK;
     }
     air_free(self->context, self->has);
-    self->has = air_allocate(self->context, job_count(list), 1);
+    self->has = air_allocate(self->context, air_site_job_count(list), 1);
     if (self->has == NULL) {
         return air_fail_memory(self->context, self->path);
     }
     self->list++;
     while (self->old_size > 0 && (floats = next_entry(self, &place, &at)) != NULL) {
-        if (at.list == self->list && at.job < job_count(list) &&
+        if (at.list == self->list && at.job < air_site_job_count(list) &&
             at.floats == job_floats(list, at.job)) {
             float *records = job_records(list, at.job);
             memcpy(records, floats, at.floats * sizeof(float));
@@ -222,9 +217,8 @@ air_status air_bake_progress_enter(air_bake_progress *self, air_site_list *list)
     return AIR_OK;
 }
 
-bool air_bake_progress_has(const air_bake_progress *self, const air_site_list *list, size_t job)
+bool air_bake_progress_has(const air_bake_progress *self, size_t job)
 {
-    (void)list;
     return self != NULL && self->has[job];
 }
 

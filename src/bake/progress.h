@@ -17,8 +17,7 @@ void air_bake_progress_close(air_bake_progress *progress, bool complete);
 
 /* Lists are entered in the order of the bake; fills in records that the file has. */
 air_status air_bake_progress_enter(air_bake_progress *progress, air_site_list *list);
-bool air_bake_progress_has(const air_bake_progress *progress, const air_site_list *list,
-                           size_t job);
+bool air_bake_progress_has(const air_bake_progress *progress, size_t job);
 /* Appends a job that is done. Thread-safe. AIR_ERROR_IO, without a message: the thread that began
  * the bake gives it, by air_bake_progress_fail. */
 air_status air_bake_progress_keep(air_bake_progress *progress, const air_site_list *list,

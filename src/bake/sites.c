@@ -69,7 +69,6 @@ static void sample_site(const sites_run *run, air_path_scratch *scratch, size_t 
             const air_f32x4 u = air_sampler_get(&lanes[count].sampler, 0);
             const float at[2] = {u[0], u[1]};
             lanes[count].receiver = &receivers[count];
-            receivers[count].axis_count = 0;
             lanes[count].through_weight =
                 s < list->through ? (float)list->samples / (float)list->through : 0.0f;
             if (list->draw(list->user, site, at, &receivers[count])) {
@@ -105,7 +104,7 @@ static void run_job(void *user, size_t job, size_t worker)
     if (atomic_load(&run->status) != AIR_OK) {
         return;
     }
-    if (air_bake_progress_has(run->progress, list, job)) {
+    if (air_bake_progress_has(run->progress, job)) {
         atomic_fetch_add(&run->done, 1);
         return;
     }
@@ -145,7 +144,7 @@ air_status air_sites_run(const air_path *path, air_site_list *list, air_bake_pro
                      .progress = progress,
                      .begin = fraction_begin,
                      .end = fraction_end,
-                     .job_count = (list->count + AIR_SITE_JOB - 1) / AIR_SITE_JOB};
+                     .job_count = air_site_job_count(list)};
     if (list->records == NULL) {
         list->records = air_allocate(context, list->count, air_site_stride(list) * sizeof(float));
     }

@@ -37,7 +37,15 @@ static inline size_t air_site_stride(const air_site_list *list)
            (size_t)3 * list->coefficients * (list->apart ? (size_t)AIR_LAYER_COUNT : 1);
 }
 
+/* At least so much of a site's samples must be outside of solid things. */
+#define AIR_SITE_VALID_SHARE 0.5f
+
 enum { AIR_SITE_JOB = 64 }; /* sites that one worker takes at a time */
+
+static inline size_t air_site_job_count(const air_site_list *list)
+{
+    return (list->count + AIR_SITE_JOB - 1) / AIR_SITE_JOB;
+}
 
 /* Keeps what is done, job by job (progress.h). NULL: nobody asks. */
 typedef struct air_bake_progress air_bake_progress;

@@ -35,6 +35,16 @@ void air_texel_sites_finish(air_context *context, air_texel_sites *sites)
     sites->texels = NULL;
 }
 
+air_hit air_texel_hit(const air_bake_page *page, const air_coverage_point *point)
+{
+    size_t triangle;
+    const size_t part = air_coverage_part(page->coverage, point->triangle, &triangle);
+    return (air_hit){.u = (float)point->weights[1],
+                     .v = (float)point->weights[2],
+                     .mesh = page->part_meshes[part],
+                     .triangle = (uint32_t)triangle};
+}
+
 bool air_texel_draw(const void *user, size_t site, const float u[2], air_path_receiver *out)
 {
     const air_texel_sites *self = user;
@@ -46,11 +56,9 @@ bool air_texel_draw(const void *user, size_t site, const float u[2], air_path_re
     if (!air_coverage_draw(page->coverage, texel % page->width, texel / page->width, at, &point)) {
         return false;
     }
-    size_t triangle;
-    const size_t part = air_coverage_part(page->coverage, point.triangle, &triangle);
-    const air_mesh *mesh = self->snapshot->meshes[page->part_meshes[part]];
-    if (!air_surface_place_make(mesh, (uint32_t)triangle, (float)point.weights[1],
-                                (float)point.weights[2], &place)) {
+    const air_hit hit = air_texel_hit(page, &point);
+    if (!air_surface_place_make(self->snapshot->meshes[hit.mesh], hit.triangle, hit.u, hit.v,
+                                &place)) {
         return false;
     }
     *out = (air_path_receiver){.position = place.position,

@@ -5,16 +5,9 @@
 
 #include "atlas/pack.h"
 #include "atlas/unwrap.h"
-#include "core/vec.h"
+#include "scene/surface.h"
 
 /* ---- the mesh's own coordinates ---- */
-
-static double area_of(const float *a, const float *b, const float *c)
-{
-    const air_vec3 p = vec3_load(a);
-    return 0.5 *
-           (double)vec3_length(vec3_cross(vec3_sub(vec3_load(b), p), vec3_sub(vec3_load(c), p)));
-}
 
 static double uv_area_of(const float *a, const float *b, const float *c)
 {
@@ -29,8 +22,8 @@ static double side_for_density(const air_mesh *mesh, double texels_per_metre)
     double area = 0.0, uv_area = 0.0;
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *at = mesh->indices + 3 * t;
-        const float *p = mesh->positions, *uv = mesh->uv[1];
-        area += area_of(p + 3 * (size_t)at[0], p + 3 * (size_t)at[1], p + 3 * (size_t)at[2]);
+        const float *uv = mesh->uv[1];
+        area += air_mesh_triangle_area(mesh, t);
         uv_area +=
             uv_area_of(uv + 2 * (size_t)at[0], uv + 2 * (size_t)at[1], uv + 2 * (size_t)at[2]);
     }
@@ -107,7 +100,7 @@ static air_status place_charts(air_context *context, const air_unwrap *unwrap,
     air_status status =
         items == NULL || placed == NULL ? air_fail_memory(context, "charts") : AIR_OK;
     air_pack_params_default(&packing);
-    packing.padding = (params->padding + 1) / 2;
+    packing.padding = air_half_padding(params);
     packing.max_size = params->page_size;
     packing.max_pages = 1;
     packing.power_of_two = false;

@@ -15,4 +15,11 @@ air_status air_mesh_coordinates(air_context *context, const air_snapshot *snapsh
                                 const air_bake_params *params, air_lightmap_mesh *out_mesh,
                                 air_mesh_rectangle *out_rectangle);
 
+/* Texels that a chart or a mesh keeps free around itself: two that meet have the padding between
+ * them. */
+static inline uint32_t air_half_padding(const air_bake_params *params)
+{
+    return (params->padding + 1) / 2;
+}
+
 #endif

@@ -4,15 +4,6 @@
 
 #include "scene/surface.h"
 
-static double triangle_area(const air_mesh *mesh, size_t triangle)
-{
-    const uint32_t *at = mesh->indices + 3 * triangle;
-    const air_vec3 p = vec3_load(mesh->positions + 3 * (size_t)at[0]);
-    const air_vec3 a = vec3_sub(vec3_load(mesh->positions + 3 * (size_t)at[1]), p);
-    const air_vec3 b = vec3_sub(vec3_load(mesh->positions + 3 * (size_t)at[2]), p);
-    return 0.5 * (double)vec3_length(vec3_cross(a, b));
-}
-
 /* Sorts corners by vertex. */
 static void sort_corners(air_vertex_sites *self)
 {
@@ -40,15 +31,20 @@ air_status air_vertex_sites_init(air_context *context, const air_mesh *mesh, air
     out->corners = air_allocate(context, corners, sizeof *out->corners);
     out->cdf = air_allocate(context, corners, sizeof *out->cdf);
     out->areas = air_allocate(context, mesh->vertex_count, sizeof *out->areas);
-    if (out->first == NULL || out->corners == NULL || out->cdf == NULL || out->areas == NULL) {
+    out->triangles = air_allocate(context, mesh->triangle_count, sizeof *out->triangles);
+    if (out->first == NULL || out->corners == NULL || out->cdf == NULL || out->areas == NULL ||
+        out->triangles == NULL) {
         air_vertex_sites_finish(context, out);
         return air_fail_memory(context, mesh->name);
     }
     sort_corners(out);
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        out->triangles[t] = air_mesh_triangle_area(mesh, t);
+    }
     for (size_t v = 0; v < mesh->vertex_count; v++) {
         double sum = 0.0;
         for (uint32_t i = out->first[v]; i < out->first[v + 1]; i++) {
-            sum += triangle_area(mesh, out->corners[i] / 3);
+            sum += out->triangles[out->corners[i] / 3];
             out->cdf[i] = (float)sum;
         }
         for (uint32_t i = out->first[v]; i < out->first[v + 1]; i++) {
@@ -65,6 +61,7 @@ void air_vertex_sites_finish(air_context *context, air_vertex_sites *sites)
     air_free(context, sites->corners);
     air_free(context, sites->cdf);
     air_free(context, sites->areas);
+    air_free(context, sites->triangles);
     *sites = (air_vertex_sites){.mesh = NULL};
 }
 
@@ -113,7 +110,7 @@ static void sum_neighbours(const air_vertex_sites *sites, const uint8_t *known, 
         const size_t t = i / 3, v = mesh->indices[i];
         for (size_t k = 1; k < 3 && !known[v]; k++) {
             const size_t w = mesh->indices[3 * t + (i + k) % 3];
-            const double area = known[w] ? triangle_area(mesh, t) : 0.0;
+            const double area = known[w] ? sites->triangles[t] : 0.0;
             for (size_t c = 0; c < 3; c++) {
                 sums[4 * v + c] += area * (double)means[3 * w + c];
             }
@@ -162,7 +159,7 @@ static void multiply(const air_vertex_sites *sites, const double *v, double *out
     memset(out, 0, mesh->vertex_count * sizeof *out);
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *at = mesh->indices + 3 * t;
-        const double area = triangle_area(mesh, t) / 12.0;
+        const double area = sites->triangles[t] / 12.0;
         const double sum = v[at[0]] + v[at[1]] + v[at[2]];
         for (int c = 0; c < 3; c++) {
             out[at[c]] += area * (sum + v[at[c]]);

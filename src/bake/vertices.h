@@ -15,6 +15,7 @@ typedef struct air_vertex_sites {
     uint32_t *corners; /* 3 * triangle + corner */
     float *cdf;        /* cumulative share of the area of a vertex' triangles */
     double *areas;     /* of each vertex: of all its triangles */
+    double *triangles; /* areas */
 } air_vertex_sites;
 
 air_status air_vertex_sites_init(air_context *context, const air_mesh *mesh, air_vertex_sites *out);
@@ -28,8 +29,7 @@ bool air_vertex_draw(const void *user, size_t site, const float u[2], air_path_r
 air_status air_vertex_fill(air_context *context, const air_vertex_sites *sites,
                            const uint8_t *valid, float *means);
 
-/* Turns means over hat functions (3 per vertex; `used` says which vertices have one) into values at
- * the vertices. */
+/* Turns means over hat functions (3 per vertex) into values at the vertices. */
 air_status air_vertex_solve(air_context *context, const air_vertex_sites *sites, float *values);
 
 #endif

@@ -27,8 +27,7 @@ static turn turn_make(const air_path *path)
     const float plain = 2.0f / (AIR_PI_F * AIR_PI_F);
     float g = 0.0f;
     for (size_t i = 0; i < path->media->count; i++) {
-        const air_phase *phase = &path->media->media[i].phase;
-        g = float_max(g, phase->kind == AIR_PHASE_HG ? phase->g : 0.0f);
+        g = float_max(g, phase_mean_cosine(path->media->media[i].phase));
     }
     if (g < 0.2f) {
         return (turn){plain, 0.0f, 1.0f, 0.0f};

@@ -21,6 +21,16 @@ typedef struct air_surface {
 void air_surface_make(const air_snapshot *snapshot, const air_hit *hit, air_vec3 dir,
                       air_surface *out);
 
+/* In m^2. */
+static inline double air_mesh_triangle_area(const air_mesh *mesh, size_t triangle)
+{
+    const uint32_t *at = mesh->indices + 3 * triangle;
+    const air_vec3 p = vec3_load(mesh->positions + 3 * (size_t)at[0]);
+    const air_vec3 a = vec3_sub(vec3_load(mesh->positions + 3 * (size_t)at[1]), p);
+    const air_vec3 b = vec3_sub(vec3_load(mesh->positions + 3 * (size_t)at[2]), p);
+    return 0.5 * (double)vec3_length(vec3_cross(a, b));
+}
+
 /* A point of a mesh, seen from the front of its triangle, without its material: weights are those
  * of vertices 1 and 2. normal: the interpolated one, unit. False for a triangle without area. */
 typedef struct air_surface_place {
