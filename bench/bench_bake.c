@@ -139,7 +139,7 @@ static void time_modes(air_context *context, const air_snapshot *snapshot,
             air_lightmap_destroy(lightmaps[i]);
             lightmaps[i] = bake(context, snapshot, options, &modes[i], options->spp, 3, &report);
             times[i].sample_s[round] = report.sample_s;
-            times[i].prepare_s = report.cache_s;
+            times[i].prepare_s = report.cache_s + report.first_s;
         }
         for (int i = 0; i < MODES; i++) {
             times[i].ratio[round] = 100.0 * (times[i].sample_s[round] / times[1].sample_s[round]);

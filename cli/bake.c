@@ -139,9 +139,10 @@ static void report(bake_run *run)
     const air_bake_report *const r = &run->report;
     cli_report(&run->host.progress,
                "baked %zu texels on %zu pages, %zu vertices, %zu probes with %u samples, media %s: "
-               "layout %.2f s, cached light %.2f s, samples %.2f s, finishing %.2f s%s; wrote %s",
+               "layout %.2f s, cached light %.2f s, first pass %.2f s, samples %.2f s, finishing "
+               "%.2f s%s; wrote %s",
                r->texels, run->lightmap->page_count, r->vertices, r->probes, run->params.samples,
-               run->lightmap->media, r->layout_s, r->cache_s, r->sample_s, r->finish_s,
+               run->lightmap->media, r->layout_s, r->cache_s, r->first_s, r->sample_s, r->finish_s,
                r->resumed_jobs > 0 ? " (resumed)" : "", run->folder);
     if (r->invalid_texels > 0) {
         cli_report(&run->host.progress,

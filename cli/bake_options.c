@@ -145,6 +145,10 @@ static const cli_option map_options[] = {
      .offset = offsetof(cli_bake_options, dilate),
      .help = "Texels by which charts are continued into what is around them, or \"all\"; default "
              "8."},
+    {.name = "no-final-gather",
+     .kind = CLI_FLAG,
+     .offset = offsetof(cli_bake_options, no_final_gather),
+     .help = "Trace paths to their end instead of ending them in the light of a first pass."},
     {.name = "no-denoise",
      .kind = CLI_FLAG,
      .offset = offsetof(cli_bake_options, no_denoise),
@@ -412,6 +416,7 @@ cli_exit cli_bake_params(cli_host *host, const cli_bake_options *options, cli_pr
     params->lightmaps = ((targets >> TARGET_LIGHTMAP) & 1u) != 0;
     params->vertices = ((targets >> TARGET_VERTICES) & 1u) != 0;
     params->directional = options->directional;
+    params->final_gather = !options->no_final_gather;
     params->denoise = !options->no_denoise;
     params->stitch = !options->no_stitch;
     params->resume = !options->no_resume;

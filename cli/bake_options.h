@@ -13,7 +13,7 @@ typedef struct cli_bake_options {
     bool impulse_literal;
     cli_count targets, uv, mesh_size, page_size, padding, dilate;
     cli_real texels_per_metre, chart_angle;
-    bool directional, no_denoise, no_stitch, full, no_resume;
+    bool directional, no_final_gather, no_denoise, no_stitch, full, no_resume;
     cli_list probes;
     const char *gltf, *godot, *bevy, *rgbm, *impulse_tables;
     cli_count gltf_show;

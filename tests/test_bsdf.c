@@ -432,6 +432,52 @@ static void samples_follow_their_density(void **state)
     check_sampler(&tilted, 21, false);
 }
 
+/* What is taken away and what stays are the whole, and samples of what stays have its density. */
+static void surfaces_without_their_base_keep_the_rest(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 27; i++) {
+        const float cosine = 0.2f + 0.35f * (float)(i % 3);
+        air_bsdf_input input = {.base_color = {0.8f, 0.5f, 0.2f},
+                                .metallic = 0.5f * (float)(i / 9),
+                                .roughness = 0.1f + 0.4f * (float)(i / 3 % 3),
+                                .specular = 1.0f,
+                                .ior = 1.5f,
+                                .shading_normal = {0, 0, 1},
+                                .geometric_normal = {0, 0, 1},
+                                .wo = {sqrtf(1.0f - cosine * cosine), 0, cosine}};
+        air_bsdf bsdf;
+        air_bsdf_make(&input, &bsdf);
+        const air_vec3 whole = air_bsdf_albedo(&bsdf, input.wo);
+        const air_vec3 base = air_bsdf_take_base(&bsdf, input.wo);
+        const air_vec3 rest = air_bsdf_albedo(&bsdf, input.wo);
+        assert_float_equal(base.x + rest.x, whole.x, 1e-6f);
+        assert_float_equal(base.z + rest.z, whole.z, 1e-6f);
+        assert_true(vec3_is_zero(air_bsdf_take_base(&bsdf, input.wo)));
+        assert_false(air_bsdf_is_black(&bsdf));
+        double sum = 0.0;
+        air_rng rng = air_rng_from_keys(5, (uint32_t)i);
+        for (int k = 0; k < 20000; k++) {
+            const float u[3] = {air_rng_float(&rng), air_rng_float(&rng), air_rng_float(&rng)};
+            air_vec3 wi, weight;
+            float pdf;
+            sum += air_bsdf_sample(&bsdf, input.wo, u, &wi, &weight, &pdf) ? (double)weight.x : 0.0;
+        }
+        /* weights are below 2 albedos, so their mean is within 2 / sqrt(20000) = 1.4 %, thrice */
+        assert_true(fabs(sum / 20000.0 - (double)rest.x) < 0.042 * (double)rest.x + 0.0025);
+    }
+    air_bsdf lambert;
+    air_bsdf_make(&(air_bsdf_input){.base_color = {0.5f, 0.5f, 0.5f},
+                                    .roughness = 1.0f,
+                                    .ior = 1.5f,
+                                    .shading_normal = {0, 0, 1},
+                                    .geometric_normal = {0, 0, 1},
+                                    .wo = {0, 0, 1}},
+                  &lambert);
+    assert_float_equal(air_bsdf_take_base(&lambert, vec3(0, 0, 1)).y, 0.5f, 0.0f);
+    assert_true(air_bsdf_is_black(&lambert));
+}
+
 static void mean_weight_is_the_albedo(void **state)
 {
     (void)state;
@@ -479,6 +525,7 @@ int main(void)
         cmocka_unit_test(light_does_not_leak_through_the_surface),
         cmocka_unit_test(weight_times_density_is_the_value),
         cmocka_unit_test(samples_follow_their_density),
+        cmocka_unit_test(surfaces_without_their_base_keep_the_rest),
         cmocka_unit_test(mean_weight_is_the_albedo),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -53,6 +53,10 @@ typedef struct air_bake_params {
     uint32_t max_bounces; /* surface and medium events before light reaches a receiver; default
                              4294967295 (unlimited); 0: direct light only */
     air_bake_media media; /* default AIR_BAKE_EXACT */
+    /* Paths end at the first surface that is more than two texels away, in the light that a first
+     * pass of a thirty-second of the samples found for its texel. Needs lightmaps; not with
+     * AIR_BAKE_REFERENCE. false: paths are traced to their end. */
+    bool final_gather; /* default true */
     /* EXACT: points of cached light along the longest side of each medium, [2, 128]; 0: 8 to 64, so
      * that they have about a tenth of the bake's samples. Samples of each, [16, 65536]; 0: 32 to
      * 1024, likewise. */
@@ -95,7 +99,7 @@ typedef struct air_bake_report {
     size_t invalid_texels;           /* inside of something: filled from their neighbours */
     size_t page_bytes, cache_bytes;  /* records of all texels; cached light in media */
     size_t resumed_jobs;
-    double layout_s, cache_s, sample_s, finish_s;
+    double layout_s, cache_s, first_s, sample_s, finish_s; /* first_s: of final gathering */
 } air_bake_report;
 
 /* Bakes. *out_lightmap is the caller's (air_lightmap_destroy); out_report may be NULL. The result

@@ -6,6 +6,7 @@
 #include "bake/cache.h"
 #include "bake/cache_grid.h"
 #include "bake/finish.h"
+#include "bake/first_light.h"
 #include "bake/layout.h"
 #include "bake/probes.h"
 #include "bake/progress.h"
@@ -26,6 +27,7 @@ void air_bake_params_default(air_bake_params *params)
     *params = (air_bake_params){.samples = 256,
                                 .max_bounces = UINT32_MAX,
                                 .media = AIR_BAKE_EXACT,
+                                .final_gather = true,
                                 .impulse_bounces = 10,
                                 .lightmaps = true,
                                 .texels_per_metre = 16.0f,
@@ -49,6 +51,7 @@ typedef struct baking {
     air_finished_page *finished; /* likewise */
     air_light_cache *cache;
     air_responder *responder;
+    air_first_light *first;
     air_sobol *sobol;
     air_path path;
     bool path_made;
@@ -113,6 +116,7 @@ static uint64_t fingerprint(const air_snapshot *snapshot, const air_bake_params 
     const uint32_t numbers[] = {p->samples,
                                 p->max_bounces,
                                 (uint32_t)p->media,
+                                p->final_gather,
                                 p->cache_resolution,
                                 p->cache_samples,
                                 p->impulse_literal,
@@ -197,13 +201,13 @@ static air_status make_responder(baking *b)
     return status;
 }
 
-static air_status make_path(baking *b)
+/* A path of the bake, with a limit on events of its own. */
+static air_status make_path(baking *b, uint32_t depth, air_path *out)
 {
     static const air_path_media modes[AIR_BAKE_MEDIA_COUNT] = {
         AIR_PATH_IGNORE, AIR_PATH_ATTENUATE, AIR_PATH_ATTENUATE, AIR_PATH_GATHER, AIR_PATH_SCATTER};
-    air_path_settings settings = {.max_depth = max_depth(b->params),
-                                  .terms = AIR_TERMS_ALL,
-                                  .media = modes[b->params->media]};
+    air_path_settings settings = {
+        .max_depth = depth, .terms = AIR_TERMS_ALL, .media = modes[b->params->media]};
     if (b->responder != NULL) {
         settings.respond = air_responder_hooks(b->responder);
     }
@@ -211,20 +215,83 @@ static air_status make_path(baking *b)
         settings.source =
             (air_path_source){b->cache != NULL ? air_light_cache_scattered : NULL, b->cache, true};
     }
-    const air_status status = air_path_init(&b->path, b->snapshot, b->sobol, &settings);
-    b->path_made = status == AIR_OK;
-    return status;
+    if (b->first != NULL) {
+        settings.arrived = (air_path_arrived){air_first_light_irradiance, b->first};
+    }
+    return air_path_init(out, b->snapshot, b->sobol, &settings);
 }
 
 /* Runs one list as its share of the whole. */
-static air_status run(baking *b, air_site_list *list, uint32_t purpose)
+static air_status run(baking *b, const air_path *path, air_site_list *list, uint32_t samples,
+                      uint32_t purpose)
 {
     const double begin = b->done / b->work;
     list->seed = air_hash_combine(b->seed, purpose);
-    list->samples = b->params->samples;
+    list->samples = samples;
     list->through = (list->samples + 1) / 2;
     b->done += (double)list->count * list->samples;
-    return air_sites_run(&b->path, list, b->progress, begin, b->done / b->work);
+    return air_sites_run(path, list, b->progress, begin, b->done / b->work);
+}
+
+/* ---- final gathering ---- */
+
+/* Samples of the first pass for each texel. Their noise is shared out among all texels that see it
+ * and does not show in theirs, but in the mean over few texels; so bakes of few get more. */
+static uint32_t first_samples(const baking *b)
+{
+    enum { SHARE = 32, LEAST = 65536 };
+    const air_bake_params *params = b->params;
+    if (!params->final_gather || !params->lightmaps || params->media == AIR_BAKE_REFERENCE ||
+        params->max_bounces == 0 || b->report.texels == 0) {
+        return 0;
+    }
+    const double least = double_max(ceil(LEAST / (double)b->report.texels), 1.0);
+    const double most = double_max(0.5 * (double)params->samples, 1.0);
+    return (uint32_t)double_min(double_max((double)(params->samples / SHARE), least), most);
+}
+
+static air_status take_first_page(baking *b, const air_path *path, air_first_light *light,
+                                  size_t page, bool back)
+{
+    air_texel_sites sites = b->texels[page];
+    sites.back = back;
+    air_site_list list = {
+        .what = "first pass", .count = sites.count, .draw = air_texel_draw, .user = &sites};
+    air_status status =
+        run(b, path, &list, first_samples(b), (back ? 0x50000u : 0x40000u) + (uint32_t)page);
+    if (status == AIR_OK) {
+        status = air_first_light_take(light, page, &sites, &list);
+    }
+    air_free(b->context, list.records);
+    return status;
+}
+
+/* Light of all texels by one event less than the bake allows: the last one is the surface's that
+ * looks it up. */
+static air_status make_first_light(baking *b)
+{
+    const uint32_t depth = max_depth(b->params);
+    const double start = air_clock(b->context);
+    air_first_light *light = NULL;
+    air_path path;
+    if (first_samples(b) == 0) {
+        return AIR_OK;
+    }
+    air_status status = make_path(b, depth == UINT32_MAX ? depth : depth - 1, &path);
+    if (status != AIR_OK) {
+        return status;
+    }
+    status = air_first_light_create(b->context, b->layout, &light);
+    for (size_t p = 0; p < b->layout->page_count && status == AIR_OK; p++) {
+        status = take_first_page(b, &path, light, p, false);
+        if (status == AIR_OK && air_first_light_has_backs(light, p)) {
+            status = take_first_page(b, &path, light, p, true);
+        }
+    }
+    air_path_finish(&path);
+    b->first = light;
+    b->report.first_s = air_clock(b->context) - start;
+    return status;
 }
 
 /* ---- targets ---- */
@@ -238,10 +305,10 @@ static air_status make_texels(baking *b)
         status = air_texel_sites_init(b->context, b->snapshot, &b->layout->pages[p], &b->texels[p]);
         if (status == AIR_OK) {
             b->texels[p].uniform = b->params->directional ? 0.5f : 0.0f;
-            b->work += (double)b->texels[p].count * b->params->samples;
             b->report.texels += b->texels[p].count;
         }
     }
+    b->work += (double)b->report.texels * (double)(b->params->samples + first_samples(b));
     return status;
 }
 
@@ -254,7 +321,7 @@ static air_status bake_page(baking *b, size_t page)
                           .coefficients =
                               b->params->directional ? AIR_DIRECTIONAL_COEFFICIENTS : 0};
     double start = air_clock(b->context);
-    air_status status = run(b, &list, 0x10000u + (uint32_t)page);
+    air_status status = run(b, &b->path, &list, b->params->samples, 0x10000u + (uint32_t)page);
     b->report.sample_s += air_clock(b->context) - start;
     b->report.page_bytes += list.count * air_site_stride(&list) * sizeof(float);
     start = air_clock(b->context);
@@ -347,7 +414,7 @@ static air_status bake_mesh_vertices(baking *b, size_t index)
     air_site_list list = {
         .what = "vertices", .count = mesh->vertex_count, .draw = air_vertex_draw, .user = &sites};
     const double start = air_clock(b->context);
-    status = run(b, &list, 0x20000u + (uint32_t)index);
+    status = run(b, &b->path, &list, b->params->samples, 0x20000u + (uint32_t)index);
     b->report.sample_s += air_clock(b->context) - start;
     if (status == AIR_OK) {
         status = take_vertices(b, &sites, &list, out);
@@ -399,7 +466,7 @@ static air_status bake_probes(baking *b)
                               .coefficients = AIR_PROBE_COEFFICIENTS,
                               .apart = true};
         const double start = air_clock(b->context);
-        status = run(b, &list, 0x30000u + (uint32_t)i);
+        status = run(b, &b->path, &list, b->params->samples, 0x30000u + (uint32_t)i);
         if (status == AIR_OK) {
             air_probes_take(&list, set);
         }
@@ -460,7 +527,11 @@ static air_status bake(baking *b)
         status = make_responder(b);
     }
     if (status == AIR_OK) {
-        status = make_path(b);
+        status = make_first_light(b);
+    }
+    if (status == AIR_OK) {
+        status = make_path(b, max_depth(params), &b->path);
+        b->path_made = status == AIR_OK;
     }
     if (status == AIR_OK && params->lightmaps) {
         status = bake_pages(b);
@@ -480,6 +551,7 @@ static void finish(baking *b, bool complete)
     }
     air_light_cache_destroy(b->cache);
     air_responder_destroy(b->responder);
+    air_first_light_destroy(b->first);
     for (size_t p = 0; b->layout != NULL && p < b->layout->page_count; p++) {
         if (b->texels != NULL) {
             air_texel_sites_finish(b->context, &b->texels[p]);

@@ -61,6 +61,13 @@ bool air_texel_draw(const void *user, size_t site, const float u[2], air_path_re
                                 &place)) {
         return false;
     }
+    if (self->back) {
+        if (!self->snapshot->materials[self->snapshot->meshes[hit.mesh]->material].double_sided) {
+            return false;
+        }
+        place.normal = vec3_neg(place.normal);
+        place.geometric = vec3_neg(place.geometric);
+    }
     *out = (air_path_receiver){.position = place.position,
                                .normal = place.normal,
                                .geometric = place.geometric,

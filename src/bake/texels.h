@@ -11,6 +11,7 @@ typedef struct air_texel_sites {
     uint32_t *texels; /* y * width + x, by rows */
     size_t count;
     float uniform; /* see air_path_receiver */
+    bool back;     /* the other sides of double-sided surfaces; there is nothing else */
 } air_texel_sites;
 
 air_status air_texel_sites_init(air_context *context, const air_snapshot *snapshot,

@@ -59,11 +59,14 @@ static air_vec3 *target_sum(air_path_lane *lane, uint32_t target)
                                       : &lane->terms[target];
 }
 
-/* Light that media scattered on the way is there where the way is free. */
-static void add_scattered(const path_shadow *shadow, float share, air_path_lane *lane)
+/* Light that media scattered on the way is there where the way is free; what they scatter later is
+ * what arrives. */
+static void add_scattered(const path_shadow *shadow, float share, air_vec3 transmittance,
+                          air_path_lane *lane)
 {
+    const air_vec3 carried = vec3_mul(shadow->carried, transmittance);
     air_vec3 *sum = &lane->terms[AIR_TERM_M2];
-    *sum = vec3_add(*sum, vec3_scale(shadow->scattered, share));
+    *sum = vec3_add(*sum, vec3_scale(vec3_add(shadow->scattered, carried), share));
     lane->lit_share = shadow->lit ? share : lane->lit_share;
 }
 
@@ -79,20 +82,20 @@ void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane
         if (share == 0.0f) {
             continue;
         }
-        air_vec3 value = vec3_scale(shadow->value, share);
-        if (shadow->tracked && !vec3_is_zero(value)) {
-            value = vec3_mul(
-                value, tracked_transmittance(path, scratch, &lanes[shadow->lane], ray, shadow));
+        air_path_lane *lane = &lanes[shadow->lane];
+        air_vec3 transmittance = vec3_set1(1.0f);
+        if (shadow->tracked) {
+            transmittance = tracked_transmittance(path, scratch, lane, ray, shadow);
         }
-        if (shadow->paired && shadow[1].tracked && !vec3_is_zero(value)) {
-            value = vec3_mul(value, tracked_transmittance(path, scratch, &lanes[shadow->lane],
-                                                          ray + 1, shadow + 1));
+        if (shadow->paired && shadow[1].tracked && !vec3_is_zero(transmittance)) {
+            transmittance = vec3_mul(
+                transmittance, tracked_transmittance(path, scratch, lane, ray + 1, shadow + 1));
         }
         if (path_responds(path)) {
-            add_scattered(shadow, share, &lanes[shadow->lane]);
+            add_scattered(shadow, share, transmittance, lane);
         }
-        air_vec3 *sum = target_sum(&lanes[shadow->lane], shadow->target);
-        *sum = vec3_add(*sum, value);
+        air_vec3 *sum = target_sum(lane, shadow->target);
+        *sum = vec3_add(*sum, vec3_mul(vec3_scale(shadow->value, share), transmittance));
     }
 }
 

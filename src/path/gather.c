@@ -133,9 +133,9 @@ void path_draw_light(const air_path *path, const air_light_table *lights, const 
     air_light_sample(lights, entry, u[2], u[3], out_point);
 }
 
-/* What the vertex gets through a connection if nothing is in between; combined with the chance of
- * meeting the light by a sampled direction where there is one: not behind an event that is asked
- * for through media, from which nothing goes on. */
+/* What a throughput of 1 gets through a connection if nothing is in between; combined with the
+ * chance of meeting the light by a sampled direction where there is one: not behind an event that
+ * is asked for through media, from which nothing goes on. */
 static air_vec3 connection_value(const air_path *path, const path_vertex *vertex,
                                  const path_mixture *mixture, const air_path_lane *lane,
                                  const air_light_point *light, const air_connection *connection,
@@ -147,8 +147,7 @@ static air_vec3 connection_value(const air_path *path, const path_vertex *vertex
     const air_vec3 f =
         scatter_eval(path, vertex, mixture, lane, connection->dir, owner, shared ? &pdf_dir : NULL);
     const float pdf = connection->pdf * probability + pdf_dir;
-    return vec3_scale(vec3_mul(vec3_mul(vertex->walk.beta, f), connection->incident),
-                      vertex->light_share / pdf);
+    return vec3_scale(vec3_mul(f, connection->incident), vertex->light_share / pdf);
 }
 
 static uint32_t target_of(const path_vertex *vertex)
@@ -190,24 +189,28 @@ void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane 
     if (!air_light_connect(lights, light, position, &connection)) {
         return;
     }
-    path_shadow shadow = {
-        .value = connection_value(path, vertex, mixture, lane, light, &connection, probability),
-        .lane = walk->lane,
-        .target = target_of(vertex),
-        .stream = path_direction_set(walk),
-        .distance = connection.distance};
-    if (vec3_is_zero(shadow.value) && !path_responds(path)) {
+    air_vec3 light_here =
+        connection_value(path, vertex, mixture, lane, light, &connection, probability);
+    path_shadow shadow = {.lane = walk->lane,
+                          .target = target_of(vertex),
+                          .stream = path_direction_set(walk),
+                          .distance = connection.distance};
+    if (vec3_is_zero(light_here) && !path_responds(path)) {
         return;
     }
     if (vertex->receives) {
         lane->connected_dir = connection.dir;
     }
-    if (vertex->on_surface && path_responds(path) && faces(vertex, lane, connection.dir)) {
+    if (vertex->on_surface && path_responds(path) && faces(vertex, lane, connection.dir) &&
+        (vertex->receives || !vec3_is_zero(vertex->at.surface.bsdf.diffuse))) {
         path_respond_light(path, scratch, vertex, light, &connection, probability, lane, &shadow);
     }
     air_ray ray = path_shadow_ray(vertex, &connection, light);
-    shadow.tracked = !path_attenuate(path, scratch, &ray, connection.distance, &shadow.value);
-    if (vec3_is_zero(shadow.value) && vec3_is_zero(shadow.scattered) && !shadow.lit) {
+    shadow.tracked = !path_attenuate(path, scratch, &ray, connection.distance, &light_here);
+    shadow.value = vec3_mul(walk->beta, light_here);
+    shadow.carried = vec3_mul(walk->scattered, light_here);
+    if (vec3_is_zero(shadow.value) && vec3_is_zero(shadow.scattered) &&
+        vec3_is_zero(shadow.carried) && !shadow.lit) {
         return;
     }
     if (!lights->entries[light->entry].casts_shadow) {

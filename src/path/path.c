@@ -44,6 +44,29 @@ static bool matters(const air_path *path, const path_walk *walk, const air_hit *
     return material->unlit || !vec3_is_zero(material->emission);
 }
 
+/* What the base of a surface reflects of light that it is known to get; its facets are left to the
+ * walk. With a limit on events, and with responses, which follow walks from surface to surface,
+ * only at the first surface. */
+static void reflect_arrived(const air_path *path, const path_walk *walk, const air_hit *hit,
+                            air_vec3 transmittance, air_vec3 dir, air_surface *surface,
+                            air_path_lane *lane)
+{
+    const air_path_arrived *arrived = &path->settings.arrived;
+    const bool deeper = path->settings.max_depth == UINT32_MAX && !path_responds(path);
+    air_vec3 light[2];
+    if (arrived->irradiance == NULL || path->settings.media == AIR_PATH_SCATTER ||
+        !walk->received || !(walk->depth == 1 || deeper) ||
+        !arrived->irradiance(arrived->user, hit, vec3_dot(surface->normal, dir) < 0.0f, light)) {
+        return;
+    }
+    const air_vec3 base = air_bsdf_take_base(&surface->bsdf, vec3_neg(dir));
+    const air_vec3 factor =
+        vec3_scale(vec3_mul(vec3_mul(walk->beta, transmittance), base), 1.0f / AIR_PI_F);
+    air_vec3 *plain = &lane->terms[AIR_TERM_S_PLUS], *scattered = &lane->terms[AIR_TERM_M2];
+    *plain = vec3_add(*plain, vec3_mul(factor, light[0]));
+    *scattered = vec3_add(*scattered, vec3_mul(factor, light[1]));
+}
+
 /* Everything that happens along one ray: emission seen, then the next event. */
 static void arrive(const air_path *path, air_path_scratch *scratch, size_t i, air_path_lane *lanes)
 {
@@ -87,6 +110,9 @@ static void arrive(const air_path *path, air_path_scratch *scratch, size_t i, ai
     }
     if (walk->depth >= path->settings.max_depth) {
         return;
+    }
+    if (met) {
+        reflect_arrived(path, walk, hit, transmittance, vec3_load(ray->dir), surface, lane);
     }
     path_events(path, scratch, walk, ray, met, t, transmittance, lane);
 }
@@ -196,6 +222,9 @@ static void leave(const air_path *path, air_path_scratch *scratch, const path_ve
 {
     path_mixture mixture;
     mixture.count = 0;
+    if (vertex->on_surface && !vertex->receives && air_bsdf_is_black(&vertex->at.surface.bsdf)) {
+        return;
+    }
     if (!vertex->on_surface) {
         path_mixture_make(path, vertex, &mixture);
         if (mixture.count == 0) {

@@ -56,6 +56,15 @@ typedef struct air_path_respond {
     const void *user;
 } air_path_respond;
 
+/* Light that surfaces are known to get, so that walks from receivers need not find out: it is added
+ * as the base reflects it, and walks go on by facets only. Not with AIR_PATH_SCATTER. */
+typedef struct air_path_arrived {
+    /* Irradiance at a hit on the side from which it was seen: never scattered by media, and
+     * scattered. False: not known there, the walk goes on. NULL: nowhere. */
+    bool (*irradiance)(const void *user, const air_hit *hit, bool front, air_vec3 out[2]);
+    const void *user;
+} air_path_arrived;
+
 typedef struct air_path_settings {
     uint32_t max_depth;
     /* wanted[(light_owner * (medium_count + 1) + medium) * AIR_TERM_COUNT + term]: what path is to
@@ -69,6 +78,7 @@ typedef struct air_path_settings {
     air_path_media media;
     air_path_source source;
     air_path_respond respond;
+    air_path_arrived arrived;
 } air_path_settings;
 
 /* What is the same for all samples of a render. */

@@ -58,9 +58,11 @@ enum { PATH_TO_RECEIVER = AIR_TERM_COUNT, PATH_THROUGH };
 
 /* A light connection waiting for its shadow ray. */
 typedef struct path_shadow {
-    air_vec3 value;     /* what the lane gains if nothing is in between */
-    air_vec3 scattered; /* with air_path_respond: likewise, of light that media scattered */
-    bool lit;           /* likewise, of a receiver, whose lane has it */
+    air_vec3 value; /* what the lane gains if nothing is in between */
+    /* With air_path_respond: what media scatter of the light on its way, likewise; and what of the
+     * light they scatter later, to M2. */
+    air_vec3 scattered, carried;
+    bool lit; /* likewise, of a receiver, whose lane has it */
     uint32_t lane;
     uint32_t target;
     uint32_t stream; /* of random numbers, should the way be tracked */

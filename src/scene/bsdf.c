@@ -79,6 +79,19 @@ static float diffuse_factor(float diffuse, float mean_left)
     return mean_left > 1e-3f ? diffuse * INVERSE_PI / mean_left : 0.0f;
 }
 
+/* How samples are shared out between GGX lobe and the others, by what each reflects to wo. Returns
+ * what the base does. */
+static air_vec3 share_out(air_bsdf *bsdf, air_vec3 wo)
+{
+    const float cos_o = clamp01(vec3_dot(wo, bsdf->frame.n));
+    const air_ggx_albedo table = air_ggx_albedo_at(cos_o, bsdf->alpha, bsdf->alpha_axis);
+    const air_vec3 whole = specular_albedo(bsdf, table);
+    const air_vec3 single = vec3_madd(whole, -table.loss, bsdf->multiple);
+    const air_vec3 base = vec3_mul(bsdf->diffuse, left_to_base(bsdf, table));
+    bsdf->specular_share = clamp01(vec3_mean(single) / vec3_mean(vec3_add(whole, base)));
+    return base;
+}
+
 static void make_specular(const air_bsdf_input *input, air_bsdf *out)
 {
     const float roughness = clamp01(input->roughness);
@@ -94,12 +107,7 @@ static void make_specular(const air_bsdf_input *input, air_bsdf *out)
         vec3(diffuse_factor(out->diffuse.x, left.x), diffuse_factor(out->diffuse.y, left.y),
              diffuse_factor(out->diffuse.z, left.z));
 
-    const float cos_o = clamp01(vec3_dot(input->wo, out->frame.n));
-    const air_ggx_albedo table = air_ggx_albedo_at(cos_o, out->alpha, out->alpha_axis);
-    const air_vec3 whole = specular_albedo(out, table);
-    const air_vec3 single = vec3_madd(whole, -table.loss, out->multiple);
-    const air_vec3 base = vec3_mul(out->diffuse, left_to_base(out, table));
-    out->specular_share = clamp01(vec3_mean(single) / vec3_mean(vec3_add(whole, base)));
+    (void)share_out(out, input->wo);
 }
 
 /* ---- frame ---- */
@@ -241,6 +249,23 @@ air_vec3 air_bsdf_albedo(const air_bsdf *bsdf, air_vec3 wo)
     const air_ggx_albedo table = air_ggx_albedo_at(cos_o, bsdf->alpha, bsdf->alpha_axis);
     return vec3_add(specular_albedo(bsdf, table),
                     vec3_mul(bsdf->diffuse, left_to_base(bsdf, table)));
+}
+
+air_vec3 air_bsdf_take_base(air_bsdf *bsdf, air_vec3 wo)
+{
+    air_vec3 base = bsdf->diffuse;
+    if (bsdf->f90 > 0.0f) {
+        base = share_out(bsdf, wo);
+        bsdf->diffuse = bsdf->diffuse_scale = vec3_set1(0.0f);
+        (void)share_out(bsdf, wo);
+    }
+    bsdf->diffuse = vec3_set1(0.0f);
+    return base;
+}
+
+bool air_bsdf_is_black(const air_bsdf *bsdf)
+{
+    return bsdf->f90 == 0.0f && vec3_is_zero(bsdf->diffuse);
 }
 
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)

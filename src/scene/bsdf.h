@@ -51,6 +51,12 @@ air_vec3 air_bsdf_eval_parts(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi, air
  * normal is the geometric one. Exact for Lambert, else as good as the albedo tables: at most 0.0025
  * too dark or bright. wo must be above the surface; 0 if it is not. */
 air_vec3 air_bsdf_albedo(const air_bsdf *bsdf, air_vec3 wo);
+/* Takes the Lambert base away and returns its directional-hemispherical reflectance, exact for
+ * Lambert, else as air_bsdf_albedo. What is left reflects by facets only; nothing, where there was
+ * a base alone. wo must be above the surface. */
+air_vec3 air_bsdf_take_base(air_bsdf *bsdf, air_vec3 wo);
+/* Does it reflect nothing? */
+bool air_bsdf_is_black(const air_bsdf *bsdf);
 /* Density of air_bsdf_sample per solid angle. */
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
 /* u: three numbers in [0,1). Returns false if nothing is reflected; *out_weight = f cos / pdf. */
