@@ -166,6 +166,20 @@ static bool faces(const path_vertex *vertex, const air_path_lane *lane, air_vec3
     return vec3_dot(vertex->at.surface.bsdf.normal, dir) > 0.0f;
 }
 
+/* Behind a lamp with an area there is no light of its own, but of the media that it lights. */
+static bool look_from_behind(const air_path *path, const path_vertex *vertex,
+                             const air_light_point *light, air_vec3 position, air_connection *out)
+{
+    const air_vec3 way = vec3_sub(light->position, position);
+    const float distance = vec3_length(way);
+    if (!path_responds(path) || !vertex->on_surface || light->delta || light->infinite ||
+        !(distance > 0.0f)) {
+        return false;
+    }
+    *out = (air_connection){.dir = vec3_scale(way, 1.0f / distance), .distance = distance};
+    return true;
+}
+
 void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane *lanes,
                  const path_vertex *vertex, const path_mixture *mixture)
 {
@@ -186,11 +200,12 @@ void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane 
         light = &vertex->at.medium.light;
     }
     air_connection connection;
-    if (!air_light_connect(lights, light, position, &connection)) {
+    air_vec3 light_here = vec3_set1(0.0f);
+    if (air_light_connect(lights, light, position, &connection)) {
+        light_here = connection_value(path, vertex, mixture, lane, light, &connection, probability);
+    } else if (!look_from_behind(path, vertex, light, position, &connection)) {
         return;
     }
-    air_vec3 light_here =
-        connection_value(path, vertex, mixture, lane, light, &connection, probability);
     path_shadow shadow = {.lane = walk->lane,
                           .target = target_of(vertex),
                           .stream = path_direction_set(walk),

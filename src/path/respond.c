@@ -35,19 +35,14 @@ void path_respond_patch(const air_path *path, const air_path_scratch *scratch, c
         vec3_add(walk->scattered, vec3_scale(vec3_mul(walk->flat, irradiance), strength));
 }
 
-/* I0, or E0, of a connection. */
+/* I0, or E0, of a connection. Of areas connections have the side that shines only, points both. */
 static air_vec3 light_strength(const air_light_point *light, const air_connection *connection)
 {
-    const air_vec3 incident = vec3_scale(connection->incident, 1.0f / connection->pdf);
-    if (light->infinite) {
-        return incident;
-    }
     const float d2 = connection->distance * connection->distance;
-    if (light->delta) {
-        return vec3_scale(incident, d2);
+    if (!light->delta && !light->infinite) {
+        return vec3_scale(light->value, 1.0f / light->pdf);
     }
-    const float cosine = fabsf(vec3_dot(light->normal, connection->dir));
-    return vec3_scale(incident, d2 / float_max(cosine, 1e-6f));
+    return vec3_scale(connection->incident, (light->infinite ? 1.0f : d2) / connection->pdf);
 }
 
 void path_respond_light(const air_path *path, air_path_scratch *scratch, const path_vertex *vertex,

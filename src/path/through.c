@@ -10,6 +10,7 @@
 
 #include "core/phase.h"
 #include "core/warp.h"
+#include "path/aim.h"
 #include "path/vertex.h"
 
 /* ---- how far light turns ---- */
@@ -52,16 +53,18 @@ static float turn_sample_theta(const turn *t, float u, float below)
     return below * AIR_PI_F * sqrtf((u - t->share) / (1.0f - t->share));
 }
 
-/* v between two bounds, in proportion to h. *out_weight: over how densely theta and v lie there,
- * where theta was drawn as above. */
-static float turn_sample_v(const turn *t, float u, float theta, float v0, float v1,
-                           float *out_weight)
+/* Over theta, of points drawn as above. */
+static float turn_theta_density(const turn *t, float theta)
+{
+    return t->even * (AIR_PI_F - theta) +
+           t->lobe * (turn_lobe_integral(t, AIR_PI_F) - turn_lobe_integral(t, theta));
+}
+
+/* v between two bounds, in proportion to h, and the density over v. */
+static float turn_sample_v(const turn *t, float u, float v0, float v1, float *out_density)
 {
     const float q0 = turn_lobe_integral(t, v0), q1 = turn_lobe_integral(t, v1);
     const float even = t->even * (v1 - v0), lobe = t->lobe * (q1 - q0), at = u * (even + lobe);
-    const float of_theta =
-        t->even * (AIR_PI_F - theta) +
-        t->lobe * (turn_lobe_integral(t, AIR_PI_F) - turn_lobe_integral(t, theta));
     float v;
     if (at < lobe) {
         const float w = (q0 + (q1 - q0) * at / lobe) * t->a * t->a;
@@ -72,7 +75,7 @@ static float turn_sample_v(const turn *t, float u, float theta, float v0, float 
     v = float_min(float_max(v, v0), v1);
     const float d2 = t->a * t->a + v * v;
     const float h = t->even + (t->lobe > 0.0f ? t->lobe / (d2 * sqrtf(d2)) : 0.0f);
-    *out_weight = (even + lobe) / (of_theta * h);
+    *out_density = h / (even + lobe);
     return v;
 }
 
@@ -91,20 +94,42 @@ static float turn_at(float theta, float t, float distance)
     return theta + atan2f(t * sinf(theta), distance - t * cosf(theta));
 }
 
-/* A way over a place in media: theta and phi, and then v between where media begin and end along
- * this ray, which is left in *media. False if no light comes that way. */
+/* A direction by theta and phi about the light's, or towards media. *out_theta: from the light's;
+ * *out_density: over theta and phi. */
+static air_vec3 detour_dir(const turn *lobe, const air_aim *aim, air_vec3 to_light, air_f32x4 u,
+                           float *out_theta, float *out_density)
+{
+    air_vec3 dir;
+    if (u[0] < aim->share) {
+        const float at[3] = {u[0] / aim->share, u[1], u[2]};
+        dir = air_aim_sample(aim, at);
+        *out_theta = atan2f(vec3_length(vec3_cross(to_light, dir)), vec3_dot(to_light, dir));
+    } else {
+        const air_frame frame = frame_from_normal(to_light);
+        const float first = (u[0] - aim->share) / (1.0f - aim->share);
+        const float theta = turn_sample_theta(lobe, first, u[1]);
+        const float phi = 2.0f * AIR_PI_F * u[2], s = sinf(theta);
+        dir = frame_to_world(&frame, vec3(s * cosf(phi), s * sinf(phi), cosf(theta)));
+        *out_theta = theta;
+    }
+    *out_density = (1.0f - aim->share) * turn_theta_density(lobe, *out_theta) / (2.0f * AIR_PI_F) +
+                   aim->share * air_aim_sample_pdf(aim, dir) * sinf(*out_theta);
+    return dir;
+}
+
+/* A way over a place in media: a direction, and then v between where media begin and end along this
+ * ray, which is left in *media. False if no light comes that way. */
 static bool detour_make(const air_path *path, const air_path_receiver *receiver, air_vec3 from,
                         air_vec3 towards, air_f32x4 u, air_ray_media *media, detour *out)
 {
     const turn lobe = turn_make(path);
+    const air_aim aim = air_aim_make(path->media, from);
     const float distance = vec3_length(towards);
-    const float theta = turn_sample_theta(&lobe, u[0], u[1]);
-    const float phi = 2.0f * AIR_PI_F * u[2], s = sinf(theta);
+    float theta, density, density_v;
     if (!(distance > 0.0f)) {
         return false;
     }
-    const air_frame frame = frame_from_normal(vec3_scale(towards, 1.0f / distance));
-    out->dir = frame_to_world(&frame, vec3(s * cosf(phi), s * sinf(phi), cosf(theta)));
+    out->dir = detour_dir(&lobe, &aim, vec3_scale(towards, 1.0f / distance), u, &theta, &density);
     if (!(air_receiver_sample_pdf(receiver, out->dir) > 0.0f)) {
         return false;
     }
@@ -118,11 +143,10 @@ static bool detour_make(const air_path *path, const air_path_receiver *receiver,
     if (!(v1 > v0)) {
         return false;
     }
-    float weight;
-    const float v = turn_sample_v(&lobe, u[3], theta, v0, v1, &weight), sine = sinf(v);
+    const float v = turn_sample_v(&lobe, u[3], v0, v1, &density_v), sine = sinf(v);
     out->t = distance * sinf(v - theta) / sine;
-    out->r = distance * s / sine;
-    out->weight = 2.0f * AIR_PI_F * weight / distance;
+    out->r = distance * sinf(theta) / sine;
+    out->weight = 1.0f / (density * density_v * distance);
     return sine > 1e-6f && out->t > 0.0f && out->t < 1e6f * distance;
 }
 
@@ -218,11 +242,11 @@ static void ask_lamp(const air_path *path, air_path_scratch *scratch, air_path_l
 
 /* ---- lights at infinity: a ray that looks how far the medium reaches ---- */
 
-/* The share of directions drawn by phase functions about the light. */
+/* The share of directions drawn by phase functions about the light, of those not aimed. */
 #define PHASE_SHARE 0.5f
 
-static float sky_pdf(const air_path *path, const air_path_receiver *receiver, air_vec3 to_light,
-                     air_vec3 dir)
+static float sky_pdf(const air_path *path, const air_path_receiver *receiver, const air_aim *aim,
+                     air_vec3 to_light, air_vec3 dir)
 {
     const float count = (float)path->media->count, cosine = vec3_dot(to_light, dir);
     const float plain = air_receiver_sample_pdf(receiver, dir);
@@ -230,15 +254,22 @@ static float sky_pdf(const air_path *path, const air_path_receiver *receiver, ai
     for (size_t i = 0; i < path->media->count; i++) {
         phase += phase_eval(path->media->media[i].phase, cosine) / count;
     }
-    return plain > 0.0f ? (1.0f - PHASE_SHARE) * plain + PHASE_SHARE * phase : 0.0f;
+    const float rest = (1.0f - PHASE_SHARE) * plain + PHASE_SHARE * phase;
+    return plain > 0.0f ? (1.0f - aim->share) * rest + aim->share * air_aim_sample_pdf(aim, dir)
+                        : 0.0f;
 }
 
 static air_vec3 sky_sample(const air_path *path, const air_path_receiver *receiver,
-                           air_vec3 to_light, air_f32x4 u)
+                           const air_aim *aim, air_vec3 to_light, air_f32x4 u)
 {
     const size_t count = path->media->count;
     air_vec3 dir;
     float pdf;
+    if (u[2] < aim->share) {
+        const float at[3] = {u[2] / aim->share, u[0], u[1]};
+        return air_aim_sample(aim, at);
+    }
+    u[2] = (u[2] - aim->share) / (1.0f - aim->share);
     if (u[2] >= PHASE_SHARE) {
         u[2] = (u[2] - PHASE_SHARE) / (1.0f - PHASE_SHARE);
         (void)air_receiver_sample(receiver, u, &dir, &pdf);
@@ -254,8 +285,9 @@ static void ask_sky(const air_path *path, air_path_scratch *scratch, air_path_la
 {
     const air_vec3 to_light = lane->through_light.dir;
     const air_f32x4 u = air_sampler_get(&lane->sampler, path_through_set(&vertex->walk));
-    const air_vec3 dir = sky_sample(path, lane->receiver, to_light, u);
-    const float pdf = sky_pdf(path, lane->receiver, to_light, dir);
+    const air_aim aim = air_aim_make(path->media, vertex->at.surface.position);
+    const air_vec3 dir = sky_sample(path, lane->receiver, &aim, to_light, u);
+    const float pdf = sky_pdf(path, lane->receiver, &aim, to_light, dir);
     if (!(pdf > 0.0f)) {
         return;
     }
