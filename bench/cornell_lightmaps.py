@@ -16,7 +16,6 @@ ceiling 0.9 units above the lamp. The sheet: theirs, ours, the difference times 
 import argparse
 import json
 import os
-import struct
 import subprocess
 import tempfile
 
@@ -24,6 +23,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 import exr
+import glb
 
 THEIRS = 1024  # texels along a side
 LABEL = 14
@@ -44,20 +44,12 @@ def encode_srgb(x):
 
 def without_specular(source, path):
     """A copy of a GLB whose materials are pure Lambert."""
-    with open(source, "rb") as file:
-        data = file.read()
-    (size,) = struct.unpack_from("<I", data, 12)
-    scene = json.loads(data[20 : 20 + size])
+    scene, rest = glb.read(source)
     for material in scene["materials"]:
         extensions = material.setdefault("extensions", {})
         extensions["KHR_materials_specular"] = {"specularFactor": 0.0}
     scene["extensionsUsed"].append("KHR_materials_specular")
-    text = json.dumps(scene).encode()
-    text += b" " * (-len(text) % 4)
-    rest = data[20 + size :]
-    with open(path, "wb") as file:
-        file.write(struct.pack("<4sII", b"glTF", 2, 20 + len(text) + len(rest)))
-        file.write(struct.pack("<I4s", len(text), b"JSON") + text + rest)
+    glb.write(path, scene, rest)
 
 
 def read_theirs(options, folder):

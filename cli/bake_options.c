@@ -55,7 +55,7 @@ static const cli_option light_options[] = {
      .max = 128,
      .offset = offsetof(cli_bake_options, cache_resolution),
      .help = "Of --media exact: points of cached light along the longest side of each medium; "
-             "default: 8 to 64, so that they have about a tenth of the samples."},
+             "default: 8 to 64, so that they have about a fortieth of the samples."},
     {.name = "cache-samples",
      .kind = CLI_COUNT,
      .value = "N",

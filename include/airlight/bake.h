@@ -58,7 +58,7 @@ typedef struct air_bake_params {
      * AIR_BAKE_REFERENCE. false: paths are traced to their end. */
     bool final_gather; /* default true */
     /* EXACT: points of cached light along the longest side of each medium, [2, 128]; 0: 8 to 64, so
-     * that they have about a tenth of the bake's samples. Samples of each, [16, 65536]; 0: 32 to
+     * that they have about a fortieth of the bake's samples. Samples of each, [16, 65536]; 0: 32 to
      * 1024, likewise. */
     uint32_t cache_resolution, cache_samples;
     /* IMPULSE: the paper's tables, forms and rules as printed, for comparison; and how many events

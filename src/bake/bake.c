@@ -150,13 +150,13 @@ static uint64_t fingerprint(const air_snapshot *snapshot, const air_bake_params 
     return hash;
 }
 
-/* Cached light gets about a tenth of the bake's samples, within what makes sense. Many points with
+/* Cached light gets a fortieth of the bake's samples, within what makes sense. Many points with
  * few samples: a place is lit by all points around it, so noise depends on the samples of all
  * together, and what cells are too large for on their number. */
 static air_light_cache_params cache_params(const baking *b)
 {
     enum { LEAST_POINTS = 8192 };
-    const double budget = 0.1 * b->work;
+    const double budget = b->work / 40.0;
     const double points = double_max(budget / AIR_CACHE_SAMPLES_LEAST, LEAST_POINTS);
     const uint32_t asked = b->params->cache_resolution;
     const uint32_t resolution = asked > 0 ? asked : air_cache_resolution(b->snapshot, points);

@@ -71,15 +71,14 @@ static bool draw_point(const void *user, size_t site, const float u[2], air_path
 
 static void take_record(const float *record, air_cache_point *out)
 {
+    enum { COUNT = 3 * COEFFICIENTS };
     const float *harmonics = record + AIR_SITE_HARMONICS;
-    out->weight = record[AIR_SITE_VALIDITY] >= AIR_SITE_VALID_SHARE ? 1.0f : 0.0f;
-    for (size_t i = 0; i < COEFFICIENTS; i++) {
-        for (size_t c = 0; c < 3; c++) {
-            const float *at = harmonics + 3 * i + c;
-            out->lights[i][c] = at[(size_t)3 * COEFFICIENTS * AIR_LAYER_DIRECT];
-            out->rest[i][c] = at[(size_t)3 * COEFFICIENTS * AIR_LAYER_INDIRECT] +
-                              at[(size_t)3 * COEFFICIENTS * AIR_LAYER_MEDIA];
-        }
+    *out = (air_cache_point){.weight =
+                                 record[AIR_SITE_VALIDITY] >= AIR_SITE_VALID_SHARE ? 1.0f : 0.0f};
+    for (size_t i = 0; i < COUNT; i++) {
+        out->lights[i] = harmonics[COUNT * AIR_LAYER_DIRECT + i];
+        out->rest[i] =
+            harmonics[COUNT * AIR_LAYER_INDIRECT + i] + harmonics[COUNT * AIR_LAYER_MEDIA + i];
     }
 }
 
@@ -217,19 +216,6 @@ size_t air_light_cache_bytes(const air_light_cache *self)
 
 /* ---- looking up ---- */
 
-/* Adds weight times what the point scatters along factors. */
-static void add_point(const air_cache_point *p, float weight, const float factors[COEFFICIENTS],
-                      bool lights, float sum[3])
-{
-    for (int c = 0; c < 3; c++) {
-        float value = 0.0f;
-        for (size_t i = 0; i < COEFFICIENTS; i++) {
-            value += factors[i] * (p->rest[i][c] + (lights ? p->lights[i][c] : 0.0f));
-        }
-        sum[c] += weight * value;
-    }
-}
-
 /* How deep a point lies inside of a grid: 0 at its border, 1 from one cell on. */
 static float inside_share(const air_cache_grid *g, air_vec3 p)
 {
@@ -244,10 +230,17 @@ static float inside_share(const air_cache_grid *g, air_vec3 p)
     return float_max(share, 0.0f);
 }
 
-/* What the points around a place say, of those that it sees and that are not inside of something;
+static void add_floats(float weight, const float *from, float *sum)
+{
+    for (int i = 0; i < AIR_CACHE_FLOATS; i++) {
+        sum[i] += weight * from[i];
+    }
+}
+
+/* What the points around a place hold, of those that it sees and that are not inside of something;
  * returns their weight. */
-static float look_up(const air_cache_grid *g, const air_cache_place *at, unsigned sees,
-                     const float factors[COEFFICIENTS], bool lights, float sum[3])
+static float look_up(const air_cache_grid *g, const air_cache_place *at, unsigned sees, bool lights,
+                     float sum[AIR_CACHE_FLOATS])
 {
     float total = 0.0f;
     for (unsigned corner = 0; corner < 8; corner++) {
@@ -258,10 +251,13 @@ static float look_up(const air_cache_grid *g, const air_cache_place *at, unsigne
             p[k] = d[k] ? at->upper[k] : at->lower[k];
             weight *= d[k] ? at->share[k] : 1.0f - at->share[k];
         }
-        if (weight > 0.0f) {
-            const air_cache_point *point = &g->points[air_cache_index(g, p[0], p[1], p[2])];
-            add_point(point, weight * point->weight, factors, lights, sum);
-            total += weight * point->weight;
+        const air_cache_point *point = &g->points[air_cache_index(g, p[0], p[1], p[2])];
+        if (weight * point->weight > 0.0f) {
+            add_floats(weight, point->rest, sum);
+            if (lights) {
+                add_floats(weight, point->lights, sum);
+            }
+            total += weight;
         }
     }
     return total;
@@ -272,14 +268,18 @@ static air_vec3 look_up_grid(const air_cache_grid *g, air_vec3 position,
                              const float factors[COEFFICIENTS], bool lights)
 {
     const air_cache_place at = air_cache_locate(g, position);
-    float sum[3] = {0.0f, 0.0f, 0.0f};
-    float weight = look_up(g, &at, at.sees, factors, lights, sum);
+    float sum[AIR_CACHE_FLOATS] = {0.0f};
+    air_vec3 value = vec3_set1(0.0f);
+    float weight = look_up(g, &at, at.sees, lights, sum);
     if (weight <= 0.0f) {
-        weight = look_up(g, &at, 0xff, factors, lights, sum);
+        weight = look_up(g, &at, 0xff, lights, sum);
+    }
+    for (int i = 0; i < COEFFICIENTS; i++) {
+        value = vec3_madd(value, factors[i], vec3_load(sum + 3 * (size_t)i));
     }
     const float scale = weight > 0.0f ? 1.0f / weight : 0.0f;
-    return vec3(scale * float_max(sum[0], 0.0f), scale * float_max(sum[1], 0.0f),
-                scale * float_max(sum[2], 0.0f));
+    return vec3(scale * float_max(value.x, 0.0f), scale * float_max(value.y, 0.0f),
+                scale * float_max(value.z, 0.0f));
 }
 
 air_vec3 air_light_cache_scattered(const void *cache, air_vec3 position, uint32_t medium,

@@ -6,7 +6,7 @@
 
 enum {
     FLAT_RESOLUTION = 8, /* cells across a layer */
-    LAMP_RESOLUTION = 16,
+    LAMP_RESOLUTION = 12,
     FAR_RESOLUTION = 8,
     LEAST_RESOLUTION = 8,
     MOST_RESOLUTION = 64,

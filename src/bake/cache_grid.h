@@ -8,11 +8,15 @@
 #include "airlight/lightmap.h"
 #include "scene/snapshot.h"
 
-enum { AIR_CACHE_COEFFICIENTS = AIR_PROBE_COEFFICIENTS, AIR_CACHE_BANDS = 3 };
+enum {
+    AIR_CACHE_COEFFICIENTS = AIR_PROBE_COEFFICIENTS,
+    AIR_CACHE_BANDS = 3,
+    AIR_CACHE_FLOATS = 28 /* RGB of all coefficients, and one that is 0, to sum four at a time */
+};
 
 /* What a point holds: straight from lights, and all else. */
 typedef struct air_cache_point {
-    float lights[AIR_CACHE_COEFFICIENTS][3], rest[AIR_CACHE_COEFFICIENTS][3];
+    float lights[AIR_CACHE_FLOATS], rest[AIR_CACHE_FLOATS];
     float weight; /* 0: inside of something */
 } air_cache_point;
 
