@@ -94,6 +94,47 @@ static float turn_at(float theta, float t, float distance)
     return theta + atan2f(t * sinf(theta), distance - t * cosf(theta));
 }
 
+static float distance_at(float theta, float v, float distance)
+{
+    return distance * sinf(v - theta) / sinf(v);
+}
+
+/* How much a place on the ray scatters; grey. */
+static float scattering_at(const air_ray_media *media, float t)
+{
+    const size_t segment = air_ray_media_find(media, t);
+    return segment == media->count
+               ? 0.0f
+               : vec3_mean(air_ray_media_coefficients(media, &media->segments[segment], t).sigma_s);
+}
+
+/* v between v0 and v1. Where density varies, one of some candidates, in proportion to what the
+ * places scatter [Talbot2005]. *out_density 0: none scatters. */
+static float draw_turn(const turn *lobe, const air_ray_media *media, float theta, float distance,
+                       float v0, float v1, float u, float *out_density)
+{
+    enum { CANDIDATES = 8 };
+    float v[CANDIDATES], amounts[CANDIDATES], weights[CANDIDATES], sum = 0.0f;
+    if (media->closed) {
+        return turn_sample_v(lobe, u, v0, v1, out_density);
+    }
+    for (int i = 0; i < CANDIDATES; i++) {
+        float density;
+        v[i] = turn_sample_v(lobe, ((float)i + u) / CANDIDATES, v0, v1, &density);
+        amounts[i] = scattering_at(media, distance_at(theta, v[i], distance));
+        weights[i] = amounts[i] / density;
+        sum += weights[i];
+    }
+    /* a second number from the first: its low bits are as good */
+    float rest = air_uint_to_float(air_hash32((uint32_t)(u * 0x1p24f))) * sum;
+    int chosen = 0;
+    while (chosen + 1 < CANDIDATES && rest >= weights[chosen]) {
+        rest -= weights[chosen++];
+    }
+    *out_density = sum > 0.0f ? amounts[chosen] * CANDIDATES / sum : 0.0f;
+    return v[chosen];
+}
+
 /* A direction by theta and phi about the light's, or towards media. *out_theta: from the light's;
  * *out_density: over theta and phi. */
 static air_vec3 detour_dir(const turn *lobe, const air_aim *aim, air_vec3 to_light, air_f32x4 u,
@@ -143,11 +184,12 @@ static bool detour_make(const air_path *path, const air_path_receiver *receiver,
     if (!(v1 > v0)) {
         return false;
     }
-    const float v = turn_sample_v(&lobe, u[3], v0, v1, &density_v), sine = sinf(v);
-    out->t = distance * sinf(v - theta) / sine;
+    const float v = draw_turn(&lobe, media, theta, distance, v0, v1, u[3], &density_v);
+    const float sine = sinf(v);
+    out->t = distance_at(theta, v, distance);
     out->r = distance * sinf(theta) / sine;
     out->weight = 1.0f / (density * density_v * distance);
-    return sine > 1e-6f && out->t > 0.0f && out->t < 1e6f * distance;
+    return sine > 1e-6f && density_v > 0.0f && out->t > 0.0f && out->t < 1e6f * distance;
 }
 
 /* Makes the event; false if no medium is there. The transmittance on the way multiplies *value
