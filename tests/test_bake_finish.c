@@ -18,7 +18,7 @@ static size_t texels_of(const air_image *page)
     return air_image_width(page) * air_image_height(page);
 }
 
-/* R, G, B are the layers' sums to the last bit, everywhere. */
+/* R, G, B are the layers' sums to the last bit, everywhere, and nothing is below 0. */
 static void assert_sums(const air_lightmap *lightmap)
 {
     static const char *const names[3][4] = {{"R", "direct.R", "indirect.R", "media.R"},
@@ -32,6 +32,7 @@ static void assert_sums(const air_lightmap *lightmap)
             }
             for (size_t i = 0; i < texels_of(lightmap->pages[p]); i++) {
                 assert_true(planes[0][i] == planes[1][i] + planes[2][i] + planes[3][i]);
+                assert_true(planes[1][i] >= 0.0f && planes[2][i] >= 0.0f && planes[3][i] >= 0.0f);
             }
         }
     }

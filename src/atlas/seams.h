@@ -47,6 +47,8 @@ typedef struct air_seams_params {
     double hold_free;    /* of a free texel's; default 0.005 */
     uint32_t iterations; /* at most; default 400 */
     double tolerance;    /* of the residual against its start; default 1e-5 */
+    size_t light_planes; /* the first so many planes hold light: what is not below 0 stays so;
+                            default 0 */
 } air_seams_params;
 
 void air_seams_params_default(air_seams_params *params);
@@ -62,7 +64,8 @@ typedef struct air_seams_report {
  * change^2 least, by conjugate gradients [Hestenes1952]. Only texels in the bilinear footprints of
  * seams change. Free texels there must have been filled (dilate.h). A jump across a seam along the
  * texels' rows shrinks to about hold / 4 of it; with much less weight on free texels than on
- * covered ones they swing about. Each plane by itself: parallel over planes, deterministic.
+ * covered ones they swing about. Texels of light that would fall below 0 are held at 0 and the
+ * others solved for anew. Each plane by itself: parallel over planes, deterministic.
  * out_report may be NULL. AIR_ERROR_ARGUMENT: a parameter out of range, a seam that names a page
  * that is not there. */
 air_status air_seams_solve(air_context *context, const air_seams *seams,

@@ -9,7 +9,8 @@
 #include "atlas/seams.h"
 #include "core/vec.h"
 
-enum { FOOTPRINT = 8, MOST_INTERVALS = 1 << 18 /* twice the longest page */ };
+/* MOST_ROUNDS: a few texels go below 0 at first, fewer each time; what is left is cut off. */
+enum { FOOTPRINT = 8, MOST_INTERVALS = 1 << 18 /* twice the longest page */, MOST_ROUNDS = 6 };
 
 typedef struct seam_sample {
     uint32_t unknown[FOOTPRINT]; /* four of each side, by rows */
@@ -19,6 +20,7 @@ typedef struct seam_sample {
 /* What a plane needs; doubles per unknown. */
 typedef struct plane_scratch {
     double *change, *residual, *direction, *image;
+    bool *fixed; /* texels that would go below 0: they are 0 */
 } plane_scratch;
 
 /* What a plane says. */
@@ -215,15 +217,14 @@ static double norm_of(const seam_solver *s, const double *residual)
     return sum;
 }
 
-/* Conjugate gradients for the change, from 0; the matrix's diagonal is the preconditioner. */
-static uint32_t solve(const seam_solver *s, const plane_scratch *at)
+/* Conjugate gradients for the change, from what it is on, by the residual; the matrix's diagonal is
+ * the preconditioner. What is fixed has no residual, so no direction either. Ends where the
+ * residual's norm is no more than enough, and counts on from `done`. */
+static uint32_t solve(const seam_solver *s, const plane_scratch *at, double enough, uint32_t done)
 {
     const size_t count = s->unknown_count;
     double norm = norm_of(s, at->residual);
-    const double enough = norm * s->params->tolerance * s->params->tolerance;
-    uint32_t done = 0;
     for (size_t i = 0; i < count; i++) {
-        at->change[i] = 0.0;
         at->direction[i] = at->residual[i] / s->diagonal[i];
     }
     for (; done < s->params->iterations && norm > enough; done++) {
@@ -238,7 +239,7 @@ static uint32_t solve(const seam_solver *s, const plane_scratch *at)
         const double step = norm / curvature;
         for (size_t i = 0; i < count; i++) {
             at->change[i] += step * at->direction[i];
-            at->residual[i] -= step * at->image[i];
+            at->residual[i] = at->fixed[i] ? 0.0 : at->residual[i] - step * at->image[i];
         }
         const double next = norm_of(s, at->residual);
         for (size_t i = 0; i < count; i++) {
@@ -274,21 +275,59 @@ static void measure(const seam_solver *s, size_t plane, double *values, double *
     }
 }
 
+/* -sum a (a (x + d)) - h d for the change d, 0 for what is fixed. */
+static void set_residual(const seam_solver *s, size_t plane, const plane_scratch *at)
+{
+    double *values = at->image;
+    multiply(s, at->change, at->residual);
+    for (size_t i = 0; i < s->unknown_count; i++) {
+        at->residual[i] = -at->residual[i];
+        values[i] = (double)*value_of(s, plane, i);
+    }
+    for (size_t i = 0; i < s->sample_count; i++) {
+        spread(&s->samples[i], -1.0, values, at->residual);
+    }
+    for (size_t i = 0; i < s->unknown_count; i++) {
+        at->residual[i] = at->fixed[i] ? 0.0 : at->residual[i];
+    }
+}
+
+/* Light that would fall below 0 is fixed at 0. Was there any? */
+static bool fix_negative(const seam_solver *s, size_t plane, const plane_scratch *at)
+{
+    bool any = false;
+    for (size_t i = 0; i < s->unknown_count; i++) {
+        const double value = (double)*value_of(s, plane, i);
+        if (value >= 0.0 && !at->fixed[i] && value + at->change[i] < 0.0) {
+            at->change[i] = -value;
+            at->fixed[i] = true;
+            any = true;
+        }
+    }
+    return any;
+}
+
 static void solve_plane(void *user, size_t plane, size_t worker)
 {
     const seam_solver *s = user;
     const plane_scratch *at = &s->scratch[s->by_plane ? plane : worker];
     plane_report *report = &s->reports[plane];
-    double *values = at->image;
-    measure(s, plane, values, &report->squares_before, &report->most_before);
-    memset(at->residual, 0, s->unknown_count * sizeof *at->residual);
-    for (size_t i = 0; i < s->sample_count; i++) {
-        spread(&s->samples[i], -1.0, values, at->residual);
+    const bool light = plane < s->params->light_planes;
+    measure(s, plane, at->image, &report->squares_before, &report->most_before);
+    memset(at->change, 0, s->unknown_count * sizeof *at->change);
+    memset(at->fixed, 0, s->unknown_count * sizeof *at->fixed);
+    set_residual(s, plane, at);
+    const double tolerance = s->params->tolerance;
+    const double enough = norm_of(s, at->residual) * tolerance * tolerance;
+    report->iterations = solve(s, at, enough, 0);
+    for (int round = 1; round < MOST_ROUNDS && light && fix_negative(s, plane, at); round++) {
+        set_residual(s, plane, at);
+        report->iterations = solve(s, at, enough, report->iterations);
     }
-    report->iterations = solve(s, at);
     for (size_t i = 0; i < s->unknown_count; i++) {
         float *value = value_of(s, plane, i);
-        *value = (float)((double)*value + at->change[i]);
+        const double sum = (double)*value + at->change[i];
+        *value = light && *value >= 0.0f && sum < 0.0 ? 0.0f : (float)sum;
     }
     measure(s, plane, at->image, &report->squares_after, &report->most_after);
 }
@@ -362,12 +401,16 @@ static air_status make_scratch(seam_solver *s, size_t plane_count)
         return AIR_ERROR_MEMORY;
     }
     for (size_t i = 0; i < s->scratch_count; i++) {
-        double *block = air_allocate(s->context, s->unknown_count, 4 * sizeof *block);
-        if (block == NULL) {
+        const size_t count = s->unknown_count;
+        double *block = air_allocate(s->context, count, 4 * sizeof *block);
+        s->scratch[i].change = block;
+        s->scratch[i].fixed = air_allocate(s->context, count, sizeof *s->scratch[i].fixed);
+        if (block == NULL || s->scratch[i].fixed == NULL) {
             return AIR_ERROR_MEMORY;
         }
-        s->scratch[i] = (plane_scratch){block, block + s->unknown_count,
-                                        block + 2 * s->unknown_count, block + 3 * s->unknown_count};
+        s->scratch[i].residual = block + count;
+        s->scratch[i].direction = block + 2 * count;
+        s->scratch[i].image = block + 3 * count;
     }
     return AIR_OK;
 }
@@ -375,6 +418,7 @@ static air_status make_scratch(seam_solver *s, size_t plane_count)
 static void finish_solver(seam_solver *s)
 {
     for (size_t i = 0; s->scratch != NULL && i < s->scratch_count; i++) {
+        air_free(s->context, s->scratch[i].fixed);
         air_free(s->context, s->scratch[i].change);
     }
     for (size_t i = 0; s->numbers != NULL && i < s->page_count; i++) {

@@ -316,6 +316,8 @@ static air_status solve(air_context *context, const air_bake_layout *layout,
                                      .planes = planes[p]};
     }
     if (status == AIR_OK) {
+        /* layers, and band 0 if there is one; band 1 has a sign */
+        params.light_planes = count > CHANNEL_COVERAGE ? 12 : 9;
         status = air_seams_solve(context, seams, solved, layout->page_count,
                                  9 + count - CHANNEL_COVERAGE, &params, NULL);
     }
