@@ -228,7 +228,7 @@ static double distance_to_seam(size_t texel, double angle)
     return 16.0 * hypot(p[0], outside);
 }
 
-/* A jump from 0.2 to 0.8 shrinks at least 20 times, and nothing beyond two texels from the seam
+/* A jump from 0.2 to 0.8 shrinks at least 200 times, and nothing beyond two texels from the seam
  * changes. */
 static void jumps_shrink(void **state)
 {
@@ -252,20 +252,45 @@ static void jumps_shrink(void **state)
                      255.0 * report.most_after, report.sample_count, report.texel_count,
                      report.iterations);
         assert_true(fabs(report.most_before - 0.6) < 1e-3);
-        assert_true(report.most_after < report.most_before / 20.0);
-        assert_true(report.rms_after < report.rms_before / 20.0);
+        assert_true(report.most_after < report.most_before / 200.0);
+        assert_true(report.rms_after < report.rms_before / 200.0);
         for (size_t i = 0; i < TEXELS; i++) {
             for (int k = 0; k < 3 && distance_to_seam(i, angle) > 2.0; k++) {
                 assert_true(after.planes[k][i] == before.planes[k][i]);
             }
             /* nothing swings beyond what was there */
-            assert_true(after.planes[0][i] > 0.19f && after.planes[0][i] < 0.81f);
+            assert_true(after.planes[0][i] > 0.199f && after.planes[0][i] < 0.801f);
         }
     }
     air_context_destroy(context);
 }
 
-/* What is made least, anew: bilinear samples along both sides. */
+/* Weights that stand out of the rounding of values. */
+static air_seams_params strong_params(void)
+{
+    air_seams_params params;
+    air_seams_params_default(&params);
+    params.hold = 0.01;
+    params.hold_free = 0.005;
+    params.stiffness = 0.003;
+    params.tolerance = 1e-5;
+    return params;
+}
+
+/* The sum of squares of four texels' changes less their mean. */
+static double unevenness(const float *before, const float *after)
+{
+    static const size_t at[4] = {0, 1, SIZE, SIZE + 1};
+    double sum = 0.0, squares = 0.0;
+    for (int k = 0; k < 4; k++) {
+        const double change = (double)after[at[k]] - (double)before[at[k]];
+        sum += change;
+        squares += change * change;
+    }
+    return squares - 0.25 * sum * sum;
+}
+
+/* What is made least with strong_params, anew: bilinear samples along both sides. */
 static double energy(const air_seams *seams, const uint32_t *charts, const float *before,
                      const float *after)
 {
@@ -282,7 +307,9 @@ static double energy(const air_seams *seams, const uint32_t *charts, const float
                 }
                 const double u = floor(at[0]), v = floor(at[1]);
                 const double fu = at[0] - u, fv = at[1] - v;
-                const float *p = after + (size_t)v * SIZE + (size_t)u;
+                const size_t first = (size_t)v * SIZE + (size_t)u;
+                const float *p = after + first;
+                sum += 0.003 * unevenness(before + first, p);
                 side[s] = (1.0 - fv) * ((1.0 - fu) * (double)p[0] + fu * (double)p[1]) +
                           fv * ((1.0 - fu) * (double)p[SIZE] + fu * (double)p[SIZE + 1]);
             }
@@ -296,19 +323,10 @@ static double energy(const air_seams *seams, const uint32_t *charts, const float
     return sum;
 }
 
-static air_seams_params strong_params(void)
-{
-    air_seams_params params;
-    air_seams_params_default(&params);
-    params.hold = 0.01;
-    params.hold_free = 0.005;
-    return params;
-}
-
 /* Noise: no small change of a texel makes the energy less. A change by e adds g e + c e^2 with c of
- * at least hold, here one that stands out of the rounding; the gradient g is 0 to the solver's 1e-5
- * of what it was and to the rounding of values to float (2^-25 times a curvature of at most 8), so
- * g is below 1e-5 and e = 0.01 adds 2e-7 at least and takes 1e-7 at most. */
+ * at least hold; the gradient g is 0 to the solver's 1e-5 of what it was and to the rounding of
+ * values to float (2^-25 times a curvature of at most 8), so g is below 1e-5 and e = 0.01 adds 2e-7
+ * at least and takes 1e-7 at most. */
 static void the_least_is_found(void **state)
 {
     static field before, after;

@@ -43,10 +43,11 @@ typedef struct air_seams_page {
 } air_seams_page;
 
 typedef struct air_seams_params {
-    double hold;         /* weight of a covered texel's value against a sample; default 0.01 */
-    double hold_free;    /* of a free texel's; default 0.005 */
-    uint32_t iterations; /* at most; default 400 */
-    double tolerance;    /* of the residual against its start; default 1e-5 */
+    double hold;         /* weight of a covered texel's value against a sample; default 0.0003 */
+    double hold_free;    /* of a free texel's; default 0.00015 */
+    double stiffness;    /* weight of differences of changes within a footprint; default 0.0001 */
+    uint32_t iterations; /* at most; default 2000 */
+    double tolerance;    /* of the residual against its start; default 1e-4 */
     size_t light_planes; /* the first so many planes hold light: what is not below 0 stays so;
                             default 0 */
 } air_seams_params;
@@ -60,12 +61,13 @@ typedef struct air_seams_report {
     uint32_t iterations; /* the most that a plane took */
 } air_seams_report;
 
-/* Makes the sum over samples of (difference of both sides)^2 plus that over texels of hold *
- * change^2 least, by conjugate gradients [Hestenes1952]. Only texels in the bilinear footprints of
- * seams change. Free texels there must have been filled (dilate.h). A jump across a seam along the
- * texels' rows shrinks to about hold / 4 of it; with much less weight on free texels than on
- * covered ones they swing about. Texels of light that would fall below 0 are held at 0 and the
- * others solved for anew. Each plane by itself: parallel over planes, deterministic.
+/* Makes least, by conjugate gradients [Hestenes1952]: the sum over samples of (difference of both
+ * sides)^2, plus that over texels of hold * change^2, plus stiffness times that over samples, sides
+ * and the four texels of each of (change - its mean over the four)^2. Only texels in the bilinear
+ * footprints of seams change. Free texels there must have been filled (dilate.h). A jump across a
+ * seam along the texels' rows shrinks to about hold / 4 of it; without stiffness neighbours swing
+ * against each other beyond what they join. Texels of light that would fall below 0 are held at 0
+ * and the others solved for anew. Each plane by itself: parallel over planes, deterministic.
  * out_report may be NULL. AIR_ERROR_ARGUMENT: a parameter out of range, a seam that names a page
  * that is not there. */
 air_status air_seams_solve(air_context *context, const air_seams *seams,

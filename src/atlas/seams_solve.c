@@ -2,7 +2,11 @@
  *
  * Unknowns are changes d of the texels in the samples' footprints. A sample has eight of them: a
  * has the bilinear weights of the one side and, negative, of the other, r = a x is their
- * difference. Least is sum (a (x + d))^2 + sum h d^2, so (sum a a' + h) d = -sum a (a x). */
+ * difference. With m taking the mean of four texels away from each, least is
+ *
+ *     sum (a (x + d))^2 + sum h d^2 + s sum |m d|^2
+ *
+ * the last over both sides of all samples, so (sum a a' + h + s sum m' m) d = -sum a (a x). */
 #include <math.h>
 #include <string.h>
 
@@ -49,8 +53,11 @@ typedef struct seam_solver {
 
 void air_seams_params_default(air_seams_params *params)
 {
-    *params =
-        (air_seams_params){.hold = 0.01, .hold_free = 0.005, .iterations = 400, .tolerance = 1e-5};
+    *params = (air_seams_params){.hold = 0.0003,
+                                 .hold_free = 0.00015,
+                                 .stiffness = 0.0001,
+                                 .iterations = 2000,
+                                 .tolerance = 1e-4};
 }
 
 /* ---- samples ---- */
@@ -168,7 +175,8 @@ static air_status set_diagonal(seam_solver *s)
         double weight[FOOTPRINT];
         weigh(&s->samples[i], weight);
         for (int k = 0; k < FOOTPRINT; k++) {
-            s->diagonal[s->samples[i].unknown[k]] += weight[k] * weight[k];
+            s->diagonal[s->samples[i].unknown[k]] +=
+                weight[k] * weight[k] + 0.75 * s->params->stiffness;
         }
     }
     return AIR_OK;
@@ -197,6 +205,20 @@ static void spread(const seam_sample *sample, double factor, const double *value
     }
 }
 
+/* out += factor m' m values, of both sides. Along a border at most two of a side's four texels may
+ * be one: their weights are theirs twice, and the diagonal is then only near to the matrix's. */
+static void stiffen(const seam_sample *sample, double factor, const double *values, double *out)
+{
+    for (int side = 0; side < 2; side++) {
+        const uint32_t *unknown = sample->unknown + 4 * side;
+        const double mean = 0.25 * (values[unknown[0]] + values[unknown[1]] + values[unknown[2]] +
+                                    values[unknown[3]]);
+        for (int k = 0; k < 4; k++) {
+            out[unknown[k]] += factor * (values[unknown[k]] - mean);
+        }
+    }
+}
+
 static void multiply(const seam_solver *s, const double *values, double *out)
 {
     for (size_t i = 0; i < s->unknown_count; i++) {
@@ -204,6 +226,7 @@ static void multiply(const seam_solver *s, const double *values, double *out)
     }
     for (size_t i = 0; i < s->sample_count; i++) {
         spread(&s->samples[i], 1.0, values, out);
+        stiffen(&s->samples[i], s->params->stiffness, values, out);
     }
 }
 
@@ -275,7 +298,7 @@ static void measure(const seam_solver *s, size_t plane, double *values, double *
     }
 }
 
-/* -sum a (a (x + d)) - h d for the change d, 0 for what is fixed. */
+/* What is left of the equation for the change d; 0 for what is fixed. */
 static void set_residual(const seam_solver *s, size_t plane, const plane_scratch *at)
 {
     double *values = at->image;
@@ -353,10 +376,11 @@ static void sum_up(const seam_solver *s, size_t plane_count, air_seams_report *o
 static air_status check(air_context *context, const air_seams *seams, const air_seams_page *pages,
                         size_t page_count, const air_seams_params *params)
 {
-    if (!(params->hold > 0.0) || !(params->hold_free > 0.0) || !(params->tolerance >= 0.0)) {
+    if (!(params->hold > 0.0) || !(params->hold_free > 0.0) || !(params->stiffness >= 0.0) ||
+        !(params->tolerance >= 0.0)) {
         return air_fail(context, AIR_ERROR_ARGUMENT,
-                        "seams: weights %g and %g, tolerance %g: expected positive numbers",
-                        params->hold, params->hold_free, params->tolerance);
+                        "seams: weights %g, %g, %g, tolerance %g: expected positive numbers",
+                        params->hold, params->hold_free, params->stiffness, params->tolerance);
     }
     for (size_t i = 0; i < page_count; i++) {
         if (pages[i].width == 0 || pages[i].height == 0 || pages[i].width > 65536 ||
