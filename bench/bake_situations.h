@@ -2,6 +2,7 @@
 #ifndef AIR_BENCH_BAKE_SITUATIONS_H
 #define AIR_BENCH_BAKE_SITUATIONS_H
 
+#include <math.h>
 #include <string.h>
 
 #include "airlight/scene.h"
@@ -121,16 +122,21 @@ static inline air_status situation_room(air_scene *scene, float h, air_handle m)
 }
 
 /* A lamp in a room, with a box of haze that ends before the walls. */
-static inline air_status make_haze_in_room(air_scene *scene)
+static inline air_status situation_haze(air_scene *scene, float g)
 {
     air_handle grey;
     air_status status = situation_material(scene, 0.6f, false, &grey);
     status = status == AIR_OK ? situation_room(scene, 2.5f, grey) : status;
-    status = status == AIR_OK ? situation_box_medium(scene, vec3(0, 1, 0), vec3(1.8f, 1, 1.8f),
-                                                     0.4f, 0.02f, 0.3f)
-                              : status;
+    status = status == AIR_OK
+                 ? situation_box_medium(scene, vec3(0, 1, 0), vec3(1.8f, 1, 1.8f), 0.4f, 0.02f, g)
+                 : status;
     return status == AIR_OK ? situation_lamp(scene, vec3(0.5f, 2.4f, 0.3f), 1.0f) : status;
 }
+
+static inline air_status make_haze_in_room(air_scene *scene) { return situation_haze(scene, 0.3f); }
+static inline air_status make_haze_even(air_scene *scene) { return situation_haze(scene, 0.0f); }
+static inline air_status make_haze_half(air_scene *scene) { return situation_haze(scene, 0.5f); }
+static inline air_status make_haze_sharp(air_scene *scene) { return situation_haze(scene, 0.8f); }
 
 /* A lamp two metres above a floor with a wall, fog below one metre. */
 static inline air_status make_ground_fog(air_scene *scene)
@@ -164,6 +170,108 @@ static inline air_status make_sun_over_slab(air_scene *scene)
     return status == AIR_OK ? situation_sun(scene, vec3(-0.7f, -0.6f, -0.3f), 1.0f) : status;
 }
 
+/* A sun at an angle to the vertical over two metres of fog and a bare floor. */
+static inline air_status situation_layer(air_scene *scene, float angle_rad)
+{
+    air_handle grey;
+    air_status status = situation_material(scene, 0.5f, false, &grey);
+    status = status == AIR_OK ? situation_floor(scene, 10.0f, grey) : status;
+    status = status == AIR_OK
+                 ? situation_box_medium(scene, vec3(0, 1, 0), vec3(40, 1, 40), 0.5f, 0.0f, 0.0f)
+                 : status;
+    return status == AIR_OK
+               ? situation_sun(scene, vec3(-sinf(angle_rad), -cosf(angle_rad), 0), 1.0f)
+               : status;
+}
+
+static inline air_status make_layer_0(air_scene *scene) { return situation_layer(scene, 0.0f); }
+static inline air_status make_layer_30(air_scene *scene) { return situation_layer(scene, 0.5236f); }
+static inline air_status make_layer_60(air_scene *scene) { return situation_layer(scene, 1.0472f); }
+static inline air_status make_layer_75(air_scene *scene) { return situation_layer(scene, 1.3090f); }
+
+/* A lamp over a floor in fog without end. It absorbs a little: without, walks would never end. */
+static inline air_status make_endless_fog(air_scene *scene)
+{
+    air_handle grey, handle;
+    air_medium_desc medium;
+    air_medium_desc_default(&medium);
+    medium.name = "fog";
+    medium.boundary.kind = AIR_BOUNDARY_UNBOUNDED;
+    situation_set3(medium.sigma_s, 0.3f, 0.3f, 0.3f);
+    situation_set3(medium.sigma_a, 0.03f, 0.03f, 0.03f);
+    air_status status = situation_material(scene, 0.5f, false, &grey);
+    status = status == AIR_OK ? situation_floor(scene, 5.0f, grey) : status;
+    status = status == AIR_OK ? air_scene_add_medium(scene, &medium, &handle) : status;
+    return status == AIR_OK ? situation_lamp(scene, vec3(0, 2, 0), 1.0f) : status;
+}
+
+/* A room full of haze, lit through a window of 1 m x 1 m by the sun and by a sky. */
+static inline air_status make_window(air_scene *scene)
+{
+    static const struct {
+        const char *name;
+        air_vec3 corner, u, v;
+    } walls[] = {
+        {"floor", {-2, 0, 2}, {4, 0, 0}, {0, 0, -4}},
+        {"ceiling", {-2, 3, -2}, {4, 0, 0}, {0, 0, 4}},
+        {"back", {-2, 0, -2}, {4, 0, 0}, {0, 3, 0}},
+        {"front", {2, 0, 2}, {-4, 0, 0}, {0, 3, 0}},
+        {"right", {2, 0, -2}, {0, 0, 4}, {0, 3, 0}},
+        {"beside", {-2, 0, 2}, {0, 0, -1.5f}, {0, 3, 0}},
+        {"beside", {-2, 0, -0.5f}, {0, 0, -1.5f}, {0, 3, 0}},
+        {"under", {-2, 0, 0.5f}, {0, 0, -1}, {0, 1, 0}},
+        {"over", {-2, 2, 0.5f}, {0, 0, -1}, {0, 1, 0}},
+    };
+    air_handle grey, handle;
+    air_light_desc sky;
+    air_status status = situation_material(scene, 0.6f, true, &grey);
+    for (size_t i = 0; i < sizeof walls / sizeof walls[0] && status == AIR_OK; i++) {
+        status =
+            situation_quad(scene, walls[i].name, walls[i].corner, walls[i].u, walls[i].v, grey);
+    }
+    air_light_desc_default(&sky);
+    sky.name = "sky";
+    sky.kind = AIR_LIGHT_ENVIRONMENT;
+    situation_set3(sky.color, 0.2f, 0.2f, 0.2f);
+    status = status == AIR_OK ? air_scene_add_light(scene, &sky, &handle) : status;
+    status = status == AIR_OK
+                 ? situation_box_medium(scene, vec3(0, 1.5f, 0), vec3(2, 1.5f, 2), 0.2f, 0.0f, 0.5f)
+                 : status;
+    return status == AIR_OK ? situation_sun(scene, vec3(0.8f, -0.6f, 0), 5.0f) : status;
+}
+
+/* A ball of smoke that thins out, 12^3 values, over a floor and under a lamp. */
+static inline air_status make_smoke(air_scene *scene)
+{
+    enum { SIDE = 12 };
+    float values[SIDE * SIDE * SIDE];
+    const float step = 2.4f / SIDE, low = 0.5f * step;
+    for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+        const float x = ((float)(i % SIDE) + 0.5f) / SIDE * 2.0f - 1.0f;
+        const float y = ((float)(i / SIDE % SIDE) + 0.5f) / SIDE * 2.0f - 1.0f;
+        const float z = ((float)(i / (SIDE * SIDE)) + 0.5f) / SIDE * 2.0f - 1.0f;
+        values[i] = fmaxf(1.0f - (x * x + y * y + z * z), 0.0f);
+    }
+    const air_grid_desc grid = {
+        .name = "smoke",
+        .size = {SIDE, SIDE, SIDE},
+        .channels = 1,
+        .values = values,
+        .index_to_local = {step, 0, 0, -1.2f + low, 0, step, 0, low, 0, 0, step, -1.2f + low}};
+    air_medium_desc medium;
+    air_handle grey, handle;
+    air_medium_desc_default(&medium);
+    medium.name = "smoke";
+    situation_set3(medium.sigma_s, 1.5f, 1.5f, 1.5f);
+    situation_set3(medium.sigma_a, 0.3f, 0.3f, 0.3f);
+    medium.density.kind = AIR_DENSITY_GRID;
+    air_status status = air_scene_add_grid(scene, &grid, &medium.density.grid);
+    status = status == AIR_OK ? air_scene_add_medium(scene, &medium, &handle) : status;
+    status = status == AIR_OK ? situation_material(scene, 0.5f, false, &grey) : status;
+    status = status == AIR_OK ? situation_floor(scene, 3.0f, grey) : status;
+    return status == AIR_OK ? situation_lamp(scene, vec3(0.8f, 3, 0.4f), 1.0f) : status;
+}
+
 /* A screen between a lamp and part of the floor, haze around all of it. */
 static inline air_status make_occluded_lamp(air_scene *scene)
 {
@@ -185,6 +293,16 @@ static const situation situations[] = {
     {"ground fog", make_ground_fog, 4.0f},
     {"sun over a slab", make_sun_over_slab, 2.5f},
     {"occluded lamp", make_occluded_lamp, 7.0f},
+    {"haze in a room, g = 0", make_haze_even, 3.0f},
+    {"haze in a room, g = 0.5", make_haze_half, 3.0f},
+    {"haze in a room, g = 0.8", make_haze_sharp, 3.0f},
+    {"endless fog", make_endless_fog, 3.0f},
+    {"layer, sun at 0 degrees", make_layer_0, 1.5f},
+    {"layer, sun at 30 degrees", make_layer_30, 1.5f},
+    {"layer, sun at 60 degrees", make_layer_60, 1.5f},
+    {"layer, sun at 75 degrees", make_layer_75, 1.5f},
+    {"room, lit through a window", make_window, 4.0f},
+    {"smoke in a grid", make_smoke, 5.0f},
 };
 enum { SITUATIONS = sizeof situations / sizeof situations[0] };
 

@@ -1,15 +1,19 @@
 /* bench_bake.c: what each treatment of media costs in a bake, and how far it is from the truth.
  *
- *     bench_bake                              four situations, and the table of them
+ *     bench_bake                              all situations of bake_situations.h
  *     bench_bake SCENE [WITH.json] [options]  a scene from a file
  *
  * --spp N (default 256), --reference N (samples of the reference, default 4096; 0: times only),
  * --texels D (per metre), --mesh-size N (texels of the meshes' own coordinates), --bounces N,
- * --threads N (default 1), --rounds N (default 3; medians and spread are printed), --situation K.
+ * --threads N (default 1), --rounds N (default 3; medians and spread are printed), --situation K
+ * (may be given several times), --denoise: all but the reference, --cache: instead of all modes
+ * `exact` by the resolution of its cached light.
  *
- * All modes run in turn in one process on the same texels with the same samples, without denoising.
- * Errors are of the media layer: mean |difference| to the reference over its mean, and bias. The
- * reference has noise of its own, which is part of the error printed. */
+ * All modes run in turn in one process on the same texels with the same samples, without denoising
+ * unless asked for.
+ * Errors are of the media layer and of all light: mean |difference| to the reference over its mean,
+ * and bias. The reference has noise of its own, which is part of the error printed; the mode
+ * `reference` shows how much there is. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +27,8 @@ typedef struct bench_options {
     uint32_t spp, reference, mesh_size, bounces;
     float texels_per_metre;
     size_t threads, rounds;
-    int situation;
+    uint32_t situations; /* a bit for each */
+    bool cache, denoise;
 } bench_options;
 
 typedef struct mode {
@@ -45,11 +50,14 @@ typedef struct difference {
     double error, bias, mean;
 } difference;
 
-static void add_page(const air_image *a, const air_image *b, double sums[4])
+static const char *const media_names[3] = {"media.R", "media.G", "media.B"};
+static const char *const all_names[3] = {"R", "G", "B"};
+
+static void add_page(const air_image *a, const air_image *b, const char *const names[3],
+                     double sums[4])
 {
     const size_t texels = air_image_width(a) * air_image_height(a);
     const ptrdiff_t coverage = air_image_find_channel(a, "coverage.Y");
-    static const char *const names[3] = {"media.R", "media.G", "media.B"};
     const float *covered = air_image_plane_const(a, (size_t)coverage);
     for (int c = 0; c < 3; c++) {
         const float *x = air_image_plane_const(a, (size_t)air_image_find_channel(a, names[c]));
@@ -65,11 +73,11 @@ static void add_page(const air_image *a, const air_image *b, double sums[4])
     }
 }
 
-static difference compare(const air_lightmap *a, const air_lightmap *b)
+static difference compare(const air_lightmap *a, const air_lightmap *b, const char *const names[3])
 {
     double sums[4] = {0.0};
     for (size_t p = 0; p < a->page_count; p++) {
-        add_page(a->pages[p], b->pages[p], sums);
+        add_page(a->pages[p], b->pages[p], names, sums);
     }
     return (difference){sums[0] / sums[2], sums[1] / sums[2], sums[2] / sums[3]};
 }
@@ -78,7 +86,7 @@ static difference compare(const air_lightmap *a, const air_lightmap *b)
 
 static air_lightmap *bake(air_context *context, const air_snapshot *snapshot,
                           const bench_options *options, const mode *m, uint32_t samples,
-                          uint64_t seed, air_bake_report *report)
+                          uint64_t seed, uint32_t cache_resolution, air_bake_report *report)
 {
     air_bake_params params;
     air_lightmap *lightmap = NULL;
@@ -87,12 +95,14 @@ static air_lightmap *bake(air_context *context, const air_snapshot *snapshot,
     params.seed = seed;
     params.media = m->media;
     params.impulse_literal = m->literal;
+    params.cache_resolution = cache_resolution;
     params.texels_per_metre = options->texels_per_metre;
     params.mesh_size = options->mesh_size;
     params.page_size = options->mesh_size > 0 ? options->mesh_size : params.page_size;
     params.padding = options->mesh_size > 0 ? 0 : params.padding;
     params.max_bounces = options->bounces;
-    params.denoise = params.stitch = false;
+    params.denoise = options->denoise && samples != options->reference;
+    params.stitch = false;
     if (air_bake(context, snapshot, &params, &lightmap, report) != AIR_OK) {
         fprintf(stderr, "bench_bake: %s\n", air_context_last_error(context));
         exit(1);
@@ -137,7 +147,7 @@ static void time_modes(air_context *context, const air_snapshot *snapshot,
     for (size_t round = 0; round < options->rounds; round++) {
         for (int i = 0; i < MODES; i++) {
             air_lightmap_destroy(lightmaps[i]);
-            lightmaps[i] = bake(context, snapshot, options, &modes[i], options->spp, 3, &report);
+            lightmaps[i] = bake(context, snapshot, options, &modes[i], options->spp, 3, 0, &report);
             times[i].sample_s[round] = report.sample_s;
             times[i].prepare_s = report.cache_s + report.first_s;
         }
@@ -154,33 +164,56 @@ static void run(air_context *context, const air_snapshot *snapshot, const bench_
     timing times[MODES];
     air_lightmap *lightmaps[MODES] = {NULL}, *truth = NULL;
     air_bake_report report;
-    difference differences[MODES] = {{0.0, 0.0, 0.0}};
+    difference media[MODES] = {{0.0, 0.0, 0.0}}, all[MODES] = {{0.0, 0.0, 0.0}};
     time_modes(context, snapshot, options, times, lightmaps);
     if (options->reference > 0) {
-        truth = bake(context, snapshot, options, &modes[5], options->reference, 1, &report);
+        truth = bake(context, snapshot, options, &modes[5], options->reference, 1, 0, &report);
         for (int i = 0; i < MODES; i++) {
-            differences[i] = compare(lightmaps[i], truth);
+            media[i] = compare(lightmaps[i], truth, media_names);
+            all[i] = compare(lightmaps[i], truth, all_names);
         }
     }
-    printf("%s: %u samples, %zu rounds; reference of %u, media mean %.4g\n", name, options->spp,
-           options->rounds, options->reference, differences[0].mean);
-    printf("  %-10s %9s %9s %9s %9s %9s %9s\n", "mode", "sampling", "prepare", "over att.",
-           "spread", "error", "bias");
+    printf("%s: %u samples, %zu rounds; reference of %u, mean %.4g, of it media %.4g\n", name,
+           options->spp, options->rounds, options->reference, all[0].mean, media[0].mean);
+    printf("  %-10s %9s %9s %9s %9s %9s %9s %9s %9s\n", "mode", "sampling", "prepare", "over att.",
+           "spread", "media", "bias", "all", "bias");
     for (int i = 0; i < MODES; i++) {
-        printf("  %-10s %7.2f s %7.2f s %+8.1f%% %8.1f%% %8.2f%% %+8.2f%%\n", modes[i].name,
-               median(times[i].sample_s, options->rounds), times[i].prepare_s,
+        printf("  %-10s %7.2f s %7.2f s %+8.1f%% %8.1f%% %8.2f%% %+8.2f%% %8.2f%% %+8.2f%%\n",
+               modes[i].name, median(times[i].sample_s, options->rounds), times[i].prepare_s,
                median(times[i].ratio, options->rounds) - 100.0,
-               spread(times[i].ratio, options->rounds), 100.0 * differences[i].error,
-               100.0 * differences[i].bias);
+               spread(times[i].ratio, options->rounds), 100.0 * media[i].error,
+               100.0 * media[i].bias, 100.0 * all[i].error, 100.0 * all[i].bias);
         air_lightmap_destroy(lightmaps[i]);
     }
     if (options->reference > 0) {
         const double exact_s = median(times[4].sample_s, options->rounds) + times[4].prepare_s;
         printf("  the reference takes %.0f times as long for the error of exact\n",
-               pow(differences[5].error / differences[4].error, 2.0) *
+               pow(media[5].error / media[4].error, 2.0) *
                    median(times[5].sample_s, options->rounds) / exact_s);
     }
     fflush(stdout);
+    air_lightmap_destroy(truth);
+}
+
+/* One scene: `exact` by the resolution of its cached light. */
+static void run_cache(air_context *context, const air_snapshot *snapshot,
+                      const bench_options *options, const char *name)
+{
+    static const uint32_t resolutions[] = {4, 8, 16, 32, 64};
+    air_bake_report report;
+    air_lightmap *truth =
+        bake(context, snapshot, options, &modes[5], options->reference, 1, 0, &report);
+    printf("%s: %u samples, reference of %u\n", name, options->spp, options->reference);
+    printf("  %-10s %9s %9s %9s %9s\n", "resolution", "cached", "bytes", "media", "bias");
+    for (size_t i = 0; i < sizeof resolutions / sizeof resolutions[0]; i++) {
+        air_lightmap *lightmap =
+            bake(context, snapshot, options, &modes[4], options->spp, 3, resolutions[i], &report);
+        const difference media = compare(lightmap, truth, media_names);
+        printf("  %-10u %7.2f s %6.2f MB %8.2f%% %+8.2f%%\n", resolutions[i], report.cache_s,
+               1e-6 * (double)report.cache_bytes, 100.0 * media.error, 100.0 * media.bias);
+        fflush(stdout);
+        air_lightmap_destroy(lightmap);
+    }
     air_lightmap_destroy(truth);
 }
 
@@ -194,7 +227,7 @@ static int run_situation(air_context *context, const bench_options *options, con
     status = status == AIR_OK ? s->make(scene) : status;
     status = status == AIR_OK ? air_scene_commit(scene, &snapshot, NULL) : status;
     if (status == AIR_OK) {
-        run(context, snapshot, &own, s->name);
+        (own.cache ? run_cache : run)(context, snapshot, &own, s->name);
     } else {
         fprintf(stderr, "bench_bake: %s\n", air_context_last_error(context));
     }
@@ -214,7 +247,7 @@ static int run_file(air_context *context, const bench_options *options)
     air_status status = air_scene_load(context, options->scene, &load, &scene);
     status = status == AIR_OK ? air_scene_commit(scene, &snapshot, NULL) : status;
     if (status == AIR_OK) {
-        run(context, snapshot, options, options->scene);
+        (options->cache ? run_cache : run)(context, snapshot, options, options->scene);
     } else {
         fprintf(stderr, "bench_bake: %s\n", air_context_last_error(context));
     }
@@ -230,12 +263,15 @@ static bench_options read_options(int argc, char **argv)
                        .bounces = UINT32_MAX,
                        .texels_per_metre = 4.0f,
                        .threads = 1,
-                       .rounds = 3,
-                       .situation = -1};
+                       .rounds = 3};
     for (int i = 1; i < argc; i++) {
         const char *value = i + 1 < argc ? argv[i + 1] : "0";
         if (argv[i][0] != '-') {
             *(o.scene == NULL ? &o.scene : &o.with) = argv[i];
+            continue;
+        }
+        if (strcmp(argv[i], "--cache") == 0 || strcmp(argv[i], "--denoise") == 0) {
+            *(argv[i][2] == 'c' ? &o.cache : &o.denoise) = true;
             continue;
         }
         const uint32_t number = (uint32_t)strtoul(value, NULL, 10);
@@ -255,7 +291,7 @@ static bench_options read_options(int argc, char **argv)
         } else if (strcmp(argv[i - 1], "--rounds") == 0) {
             o.rounds = number < 1 ? 1 : number < MOST_ROUNDS ? number : MOST_ROUNDS;
         } else if (strcmp(argv[i - 1], "--situation") == 0) {
-            o.situation = (int)number;
+            o.situations |= 1u << (number & 31);
         }
     }
     return o;
@@ -276,7 +312,7 @@ int main(int argc, char **argv)
         failed = run_file(context, &options);
     }
     for (int i = 0; options.scene == NULL && i < SITUATIONS; i++) {
-        if (options.situation < 0 || options.situation == i) {
+        if (options.situations == 0 || options.situations >> i & 1) {
             failed |= run_situation(context, &options, &situations[i]);
         }
     }
