@@ -328,6 +328,7 @@ static void seams_close(void **state)
             assert_sums(lightmap);
             air_lightmap_destroy(lightmap);
         }
+        print_message("%d pages: %.4f before, %.6f after\n", pages, jumps[0], jumps[1]);
         /* along rows a quarter of the weight of what was, 0.0003, is left of a jump */
         assert_true(jumps[0] > 0.01 && jumps[1] < 0.0006 * jumps[0]);
     }
