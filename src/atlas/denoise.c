@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "atlas/outliers.h"
 #include "core/exponential.h"
 #include "core/vec.h"
 
@@ -19,6 +20,9 @@ typedef struct filter_work {
     float *values[MOST_PLANES], *variances[MOST_PLANES]; /* copies; variances are smoothed */
     float *normals[3];                                   /* unit; 0 where a texel takes no part */
     float *spacing;                                      /* metres from a texel to the next */
+    uint16_t *marks;                                     /* a bit for each plane: an outlier */
+    air_outlier *outliers;
+    size_t first_outlier[MOST_PLANES]; /* of each plane in the list */
     float inverse_strength_squared, least_cosine, plane_distance;
     float *scratch; /* per worker */
     size_t scratch_size;
@@ -144,6 +148,68 @@ static void prepare_row(void *user, size_t y, size_t worker)
             work->variances[k][i] = smooth_variance(work, work->layer->variance[k], x, y);
         }
     }
+}
+
+/* ---- outliers ---- */
+
+static air_outlier_surface surface_of(const filter_work *work)
+{
+    const air_atlas_guides *g = work->guides;
+    return (air_outlier_surface){.width = g->width,
+                                 .height = g->height,
+                                 .charts = work->charts,
+                                 .position = {g->position[0], g->position[1], g->position[2]},
+                                 .normal = {work->normals[0], work->normals[1], work->normals[2]},
+                                 .area = g->area,
+                                 .spacing = work->spacing,
+                                 .least_cosine = work->least_cosine,
+                                 .plane_distance = work->plane_distance};
+}
+
+static void mark_row(void *user, size_t y, size_t worker)
+{
+    const filter_work *work = user;
+    const air_outlier_surface surface = surface_of(work);
+    (void)worker;
+    for (size_t i = y * surface.width; i < (y + 1) * surface.width; i++) {
+        uint16_t mark = 0;
+        for (size_t k = 0; k < work->layer->plane_count; k++) {
+            const bool is = air_outlier_is(&surface, work->values[k], work->layer->variance[k], i);
+            mark = (uint16_t)(mark | (is ? 1u << k : 0u));
+        }
+        work->marks[i] = mark;
+    }
+}
+
+static void spread_plane(void *user, size_t plane, size_t worker)
+{
+    const filter_work *work = user;
+    const air_outlier_surface surface = surface_of(work);
+    (void)worker;
+    air_outliers_spread(&surface, work->marks, (uint16_t)(1u << plane),
+                        work->outliers + work->first_outlier[plane], work->values[plane]);
+}
+
+static air_status spread_outliers(air_context *context, filter_work *work)
+{
+    const size_t texels = work->guides->width * work->guides->height;
+    size_t count = 0;
+    for (size_t k = 0; k < work->layer->plane_count; k++) {
+        work->first_outlier[k] = count;
+        for (size_t i = 0; i < texels; i++) {
+            count += work->marks[i] >> k & 1u;
+        }
+    }
+    if (count == 0) {
+        return AIR_OK;
+    }
+    work->outliers = air_allocate(context, count, sizeof *work->outliers);
+    if (work->outliers == NULL) {
+        return AIR_ERROR_MEMORY;
+    }
+    air_parallel_for(context, work->layer->plane_count, spread_plane, work);
+    air_free(context, work->outliers);
+    return AIR_OK;
 }
 
 /* ---- one offset ---- */
@@ -378,11 +444,13 @@ static air_status allocate(air_context *context, filter_work *work, size_t count
     const size_t texels = work->guides->width * work->guides->height;
     work->charts = air_allocate(context, texels, sizeof *work->charts);
     work->spacing = air_allocate(context, texels, sizeof *work->spacing);
+    work->marks = air_allocate(context, texels, sizeof *work->marks);
     work->scratch_size =
         (2 * (BAND + 2 * PATCH) + (count + 1) * BAND + 3) * work->guides->width + 4 * PATCH;
     work->scratch = air_allocate(context, air_context_thread_count(context) * work->scratch_size,
                                  sizeof *work->scratch);
-    bool good = work->charts != NULL && work->spacing != NULL && work->scratch != NULL;
+    bool good = work->charts != NULL && work->spacing != NULL && work->marks != NULL &&
+                work->scratch != NULL;
     for (size_t k = 0; k < 3 && good; k++) {
         work->normals[k] = air_allocate(context, texels, sizeof(float));
         good = work->normals[k] != NULL;
@@ -412,7 +480,11 @@ air_status air_atlas_denoise(air_context *context, const air_atlas_guides *guide
     status = allocate(context, &work, layer->plane_count);
     if (status == AIR_OK) {
         air_parallel_for(context, guides->height, copy_row, &work);
+        air_parallel_for(context, guides->height, mark_row, &work);
         air_parallel_for(context, guides->height, prepare_row, &work);
+        status = spread_outliers(context, &work);
+    }
+    if (status == AIR_OK) {
         air_parallel_for(context, (guides->height + BAND - 1) / BAND, filter_rows, &work);
     }
     for (size_t k = layer->plane_count; k-- > 0;) {
@@ -423,6 +495,7 @@ air_status air_atlas_denoise(air_context *context, const air_atlas_guides *guide
         air_free(context, work.normals[k]);
     }
     air_free(context, work.scratch);
+    air_free(context, work.marks);
     air_free(context, work.spacing);
     air_free(context, work.charts);
     return status == AIR_OK ? AIR_OK : air_fail_memory(context, "denoise");

@@ -39,10 +39,10 @@ typedef struct air_atlas_denoise_params {
 
 void air_atlas_denoise_params_default(air_atlas_denoise_params *params);
 
-/* Filters in place. Texels with numbers that are not finite take no part. Parallel over bands of
- * rows, deterministic. Time: (2 radius + 1)^2 times about 15 ns a texel and processor for three
- * planes; memory: two floats per texel and plane, and five. AIR_ERROR_ARGUMENT: a parameter, size
- * or count out of range. */
+/* Filters in place, outliers first (outliers.h). Texels with numbers that are not finite take no
+ * part. Parallel over bands of rows, deterministic. Time: (2 radius + 1)^2 times about 15 ns a
+ * texel and processor for three planes; memory: two floats per texel and plane, and six.
+ * AIR_ERROR_ARGUMENT: a parameter, size or count out of range. */
 air_status air_atlas_denoise(air_context *context, const air_atlas_guides *guides,
                              const air_atlas_denoise_params *params, const air_atlas_layer *layer);
 
