@@ -149,6 +149,11 @@ static void responses_fail_as_stated(void **state)
         const double truth = row->once + row->more;
         const double lost = (literal[i] - truth) / row->more;
         const double rest = (better[i] - truth) / row->more;
+        print_message(
+            "x %g, g %g, floor %g: literal %+.1f %%, better %+.1f %%; of two to ten events "
+            "alone %+.1f, %+.1f %%\n",
+            (double)row->x, (double)row->g, (double)row->floor, 100.0 * (literal[i] / truth - 1.0),
+            100.0 * (better[i] / truth - 1.0), 100.0 * lost, 100.0 * rest);
         if (row->floor >= 0.0f && !(lost > 0.14 && lost < 0.47)) {
             fail_msg("x %g, floor: %+.3f", (double)row->x, lost);
         }
@@ -159,13 +164,12 @@ static void responses_fail_as_stated(void **state)
     }
 }
 
-/* Above a floor cached light is what the model of responses is not: within 6 % of all that the fog
- * brings, three times the noise of the coarse cache here (2 % over three seeds), where responses
- * are 26 % off.
- */
+/* Above a floor, black or grey, cached light is what the model of responses is not: within 6 % of
+ * all that fog and floor bring, three times the noise of the coarse cache here (2 % over three
+ * seeds), where responses are 8 to 26 % off. */
 static void cached_light_knows_the_floor(void **state)
 {
-    static const int chosen[] = {6};
+    static const int chosen[] = {6, 8};
     air_sobol *sobol = make_sobol();
     for (size_t i = 0; i < sizeof chosen / sizeof chosen[0]; i++) {
         const foot_row *row = &rows[chosen[i]];
@@ -182,8 +186,8 @@ static void cached_light_knows_the_floor(void **state)
                                             .source = {air_light_cache_scattered, cache, true}};
         measure(snapshot, sobol, &settings, row->x, 8192, got);
         const double truth = row->once + row->more + row->by_floor;
-        print_message("x %g floor %g: %+.4f\n", (double)row->x, (double)row->floor,
-                      (got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT]) / truth - 1.0);
+        print_message("x %g, floor %g: cached light %+.1f %%\n", (double)row->x, (double)row->floor,
+                      100.0 * ((got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT]) / truth - 1.0));
         if (!(fabs(got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT] - truth) < 0.06 * truth)) {
             fail_msg("x %g: %.5g, expected %.5g", (double)row->x,
                      got[AIR_LAYER_MEDIA] + got[AIR_LAYER_INDIRECT], truth);
