@@ -180,7 +180,7 @@ def main():
     parser.add_argument("--folder", default=".", metavar="DIR")
     parser.add_argument("--texels", type=float, default=8.0, help="per metre")
     parser.add_argument("--spp", type=int, default=64, metavar="N", help="of the bakes")
-    parser.add_argument("--picture-spp", type=int, default=24, metavar="N")
+    parser.add_argument("--picture-spp", type=int, default=64, metavar="N")
     parser.add_argument("--pixels", type=int, default=320, metavar="N")
     parser.add_argument("--page-pixels", type=int, default=260, metavar="N")
     parser.add_argument("--threads", type=int, default=1, metavar="N")
