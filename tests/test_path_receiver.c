@@ -235,6 +235,29 @@ static void one_event_apart_in_a_furnace(void **state)
     assert_furnace(state, &receiver, AIR_PATH_SCATTER, true);
 }
 
+/* In haze without end that absorbs nothing walks end by chance only, and no light is lost: through
+ * a sphere about the lamp goes what it sends, so irradiances on both sides of a surface across its
+ * light differ by I / r^2, however much light there is. */
+static void endless_walks_end_and_lose_nothing(void **state)
+{
+    air_path_receiver receiver = looking_up(vec3(0, 0, 0));
+    air_snapshot *snapshot = foot_scene(state, false);
+    air_path_settings settings = everything;
+    settings.source.through = true;
+    double flux = 0.0, error = 0.0;
+    for (int side = 0; side < 2; side++) {
+        receiver.normal = receiver.geometric = vec3(0, side == 0 ? 1.0f : -1.0f, 0);
+        const received got = receive(snapshot, &receiver, &settings, 512);
+        for (int t = 0; t < AIR_TERM_COUNT; t++) {
+            flux += side == 0 ? got.terms[t] : -got.terms[t];
+            error = hypot(error, got.errors[t]);
+        }
+    }
+    print_message("net flux %.4f +- %.4f, expected 0.25\n", flux, error);
+    assert_true(error < 0.01 && fabs(flux - 0.25) < 4.0 * error);
+    air_snapshot_release(snapshot);
+}
+
 /* What a camera sees of a Lambertian floor is its irradiance times albedo over pi, term by term. */
 static void irradiance_is_what_a_camera_sees(void **state)
 {
@@ -274,6 +297,7 @@ int main(void)
         cmocka_unit_test(media_attenuate_or_are_not_there),
         cmocka_unit_test(receivers_in_a_furnace),
         cmocka_unit_test(one_event_apart_in_a_furnace),
+        cmocka_unit_test(endless_walks_end_and_lose_nothing),
         cmocka_unit_test(irradiance_is_what_a_camera_sees),
     };
     return cmocka_run_group_tests(tests, path_set_up, path_tear_down);

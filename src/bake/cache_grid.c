@@ -101,8 +101,9 @@ static bool lamp_of(const air_light *light, air_vec3 *out_center, float *out_rad
     return true;
 }
 
-/* Is the point well inside of a grid whose cells are no larger? */
-static bool has_finer(const air_cache_grids *m, air_vec3 p, float cell)
+/* Is the point well inside of a grid whose cells are no larger, and that is not much smaller than
+ * the box? */
+static bool has_finer(const air_cache_grids *m, air_vec3 p, float cell, float side)
 {
     for (size_t i = 0; i < m->count; i++) {
         const air_cache_grid *g = &m->grids[i];
@@ -110,7 +111,8 @@ static bool has_finer(const air_cache_grids *m, air_vec3 p, float cell)
         const float reach[3] = {g->step.x * (float)g->size[0], g->step.y * (float)g->size[1],
                                 g->step.z * (float)g->size[2]};
         const float at[3] = {d.x, d.y, d.z};
-        bool inside = cell_of(g) <= cell * 1.01f;
+        const float most = float_max(reach[0], float_max(reach[1], reach[2]));
+        bool inside = cell_of(g) <= cell * 1.01f && most > 0.5f * side;
         for (int k = 0; k < 3; k++) {
             inside = inside && at[k] > 0.25f * reach[k] && at[k] < 0.75f * reach[k];
         }
@@ -123,10 +125,10 @@ static bool has_finer(const air_cache_grids *m, air_vec3 p, float cell)
 
 /* About a lamp light varies over distances in proportion to the distance from it: boxes, each half
  * as large as the one before, until cells are a third of the mean free path or of the way to the
- * nearest wall, or of the lamp's own size. All are finer than the scene's grid, the first: what
- * lies in none of them is left to that. */
+ * nearest wall, or of the lamp's own size. All are finer than the grid that holds all, to which
+ * is left what lies in none of them. */
 static void add_lamp(const air_medium *medium, box bounds, air_vec3 center, float radius,
-                     float wall, air_cache_grids *m)
+                     float wall, float coarsest, air_cache_grids *m)
 {
     const float extinction = vec3_max(medium->sigma_t);
     const float path = extinction > 0.0f ? 1.0f / extinction : INFINITY;
@@ -139,7 +141,7 @@ static void add_lamp(const air_medium *medium, box bounds, air_vec3 center, floa
             return;
         }
         lay_out(b, LAMP_RESOLUTION, g);
-        if (cell_of(g) < cell_of(&m->grids[0]) && !has_finer(m, center, cell_of(g))) {
+        if (cell_of(g) < coarsest && !has_finer(m, center, cell_of(g), box_side(b))) {
             m->count++;
         }
     }
@@ -219,17 +221,21 @@ air_status air_cache_grids_place(air_context *context, const air_snapshot *snaps
     }
     near_and_far(snapshot, medium, &near, &far);
     if (!box_is_empty(near)) { /* else nothing of it is near anything */
+        const bool reaches = box_side(far) > 1.5f * box_side(near);
+        air_cache_grid all = {.points = NULL};
         lay_out(near, resolution, &m.grids[m.count++]);
+        lay_out(far, resolution < FAR_RESOLUTION ? resolution : FAR_RESOLUTION, &all);
+        const float coarsest = cell_of(reaches ? &all : &m.grids[0]);
         for (size_t i = 0; i < snapshot->lights.count && m.count < MOST_GRIDS - 1; i++) {
             air_vec3 center;
             float radius;
             if (lamp_of(&snapshot->lights.entries[i], &center, &radius)) {
-                add_lamp(medium, far, center, radius, wall_distance(snapshot, center), &m);
+                add_lamp(medium, far, center, radius, wall_distance(snapshot, center), coarsest,
+                         &m);
             }
         }
-        if (box_side(far) > 1.5f * box_side(near)) {
-            lay_out(far, resolution < FAR_RESOLUTION ? resolution : FAR_RESOLUTION,
-                    &m.grids[m.count++]);
+        if (reaches) {
+            m.grids[m.count++] = all;
         }
         qsort(m.grids, m.count, sizeof *m.grids, by_cell);
     }

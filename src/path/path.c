@@ -176,9 +176,15 @@ static bool sample_surface(const air_path *path, const path_vertex *vertex, air_
 /* Below this throughput a walk survives with a probability in proportion to it. */
 #define ROULETTE_THRESHOLD 0.25f
 
-static bool survives(path_walk *walk, float u)
+/* Where nothing else ends walks, one in a hundred does at each event after these. */
+enum { ENDLESS_EVENTS = 64 };
+#define ENDLESS_SURVIVAL 0.99f
+
+static bool survives(const air_path *path, path_walk *walk, float u)
 {
-    const float q = vec3_max(vec3_add(walk->beta, walk->scattered)) * (1.0f / ROULETTE_THRESHOLD);
+    const float most = vec3_max(vec3_add(walk->beta, walk->scattered));
+    const bool tired = path->endless && walk->depth > ENDLESS_EVENTS;
+    const float q = float_min(most * (1.0f / ROULETTE_THRESHOLD), tired ? ENDLESS_SURVIVAL : 1.0f);
     if (q >= 1.0f) {
         return true;
     }
@@ -251,7 +257,7 @@ static void leave(const air_path *path, air_path_scratch *scratch, const path_ve
                          : vertex->on_surface
                              ? sample_surface(path, vertex, u, &walk, &dir)
                              : sample_medium(path, vertex, &mixture, u, &walk, &dir);
-    if (!sampled || !survives(&walk, u[3])) {
+    if (!sampled || !survives(path, &walk, u[3])) {
         return;
     }
     walk.from_surface = vertex->on_surface;

@@ -90,6 +90,7 @@ typedef struct air_path {
     air_path_settings settings;
     bool hittable_lights; /* some light can be met by a sampled direction, or some medium emits */
     bool emissive_media;
+    bool endless;      /* some medium neither ends nor absorbs */
     bool pervious;     /* some mesh casts no shadow: then shadow rays see what directions do not */
     bool whole_volume; /* the media are one convex region of constant density: distances can follow
                           lights from infinity in closed form */

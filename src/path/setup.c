@@ -120,6 +120,14 @@ static air_status choose_all_lights(air_path *path)
 
 static const air_media no_media = {.all_constant = true};
 
+/* Do walks never leave a medium, and lose nothing in it? */
+static bool is_endless(const air_medium *medium)
+{
+    const air_vec3 sigma_a = vec3_sub(medium->sigma_t, medium->sigma_s);
+    return isinf(medium->bounds_max[0]) && medium->kind == AIR_DENSITY_CONSTANT &&
+           vec3_min(sigma_a) <= 0.0f && !vec3_is_zero(medium->sigma_s);
+}
+
 air_status air_path_init(air_path *path, const air_snapshot *snapshot, const air_sobol *sobol,
                          const air_path_settings *settings)
 {
@@ -129,10 +137,11 @@ air_status air_path_init(air_path *path, const air_snapshot *snapshot, const air
     path->sobol = sobol;
     path->settings = *settings;
     memset(path->cdfs, 0, sizeof path->cdfs);
-    path->emissive_media = false;
+    path->emissive_media = path->endless = false;
     for (size_t i = 0; i < path->media->count; i++) {
-        path->emissive_media =
-            path->emissive_media || !vec3_is_zero(path->media->media[i].emission);
+        const air_medium *medium = &path->media->media[i];
+        path->emissive_media = path->emissive_media || !vec3_is_zero(medium->emission);
+        path->endless = path->endless || is_endless(medium);
     }
     path->pervious = false;
     for (size_t i = 0; i < snapshot->mesh_count; i++) {
