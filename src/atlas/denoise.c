@@ -197,7 +197,7 @@ static air_status spread_outliers(air_context *context, filter_work *work)
     for (size_t k = 0; k < work->layer->plane_count; k++) {
         work->first_outlier[k] = count;
         for (size_t i = 0; i < texels; i++) {
-            count += work->marks[i] >> k & 1u;
+            count += (uint32_t)(work->marks[i] >> k) & 1u;
         }
     }
     if (count == 0) {
