@@ -18,7 +18,6 @@ is too little, full at half of the mean.
 """
 
 import argparse
-import json
 import os
 import shutil
 import subprocess
@@ -29,6 +28,7 @@ from PIL import Image, ImageDraw
 
 import bake_figure_scenes as scenes
 import exr
+from lightmap_folder import only_media, page_paths
 
 SHOWN = ("none", "attenuate", "literal", "impulse", "exact", "reference")
 MODES = ("none", "attenuate", "literal", "impulse", "impulse+back", "exact", "reference")
@@ -45,11 +45,6 @@ def bake(options, scene, mode, out, spp, seed):
     command += ["--texels-per-metre", str(options.texels), "--bounces", str(options.bounces)]
     command += ["--no-denoise", "--no-stitch", "--full", "--no-resume"]
     subprocess.run(command, check=True)
-
-
-def page_paths(folder):
-    with open(os.path.join(folder, "lightmap.json"), encoding="utf-8") as file:
-        return [os.path.join(folder, page["file"]) for page in json.load(file)["pages"]]
 
 
 def slab_back_scatter(thickness):
@@ -69,17 +64,6 @@ def add_back_scatter(source, out, thickness):
             more = share * page["albedo." + c] * page[c]
             page["media." + c] += more
             page[c] += more
-        exr.write(path, page)
-
-
-def only_media(source, out):
-    """A copy of a lightmap whose other layers are dark."""
-    shutil.copytree(source, out)
-    for path in page_paths(out):
-        page = exr.read(path)
-        for c in "RGB":
-            page["direct." + c] = page["indirect." + c] = np.zeros_like(page[c])
-            page[c] = page["media." + c]
         exr.write(path, page)
 
 

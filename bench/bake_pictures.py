@@ -28,6 +28,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 import exr
+from lightmap_folder import only_media, page_paths
 
 MODES = ("none", "attenuate", "exact")
 OUTSIDE = ("ground", "trees")
@@ -60,24 +61,6 @@ def bake(options, scene, folder, mode):
     out = os.path.join(folder, mode + ".lightmap")
     texels = ["--texels-per-metre", str(options.texels), "--spp", str(options.spp)]
     run(options, "bake", scene, "-o", out, "--media", mode, *texels, "--full")
-    return out
-
-
-def pages(folder):
-    with open(os.path.join(folder, "lightmap.json"), encoding="utf-8") as file:
-        return [os.path.join(folder, page["file"]) for page in json.load(file)["pages"]]
-
-
-def only_media(source):
-    """A copy of a lightmap whose other layers are dark."""
-    out = source.replace(".lightmap", "-media.lightmap")
-    shutil.copytree(source, out)
-    for path in pages(out):
-        page = exr.read(path)
-        for c in "RGB":
-            page["direct." + c] = page["indirect." + c] = np.zeros_like(page[c])
-            page[c] = page["media." + c]
-        exr.write(path, page)
     return out
 
 
@@ -126,7 +109,8 @@ def draw_room(options, folder):
     scene = room_without_outside(options.root, folder)
     lightmaps = {mode: bake(options, scene, folder, mode) for mode in MODES}
     draw_page(options, folder, lightmaps["exact"])
-    lightmaps["media"] = only_media(lightmaps["exact"])
+    lightmaps["media"] = os.path.join(folder, "media.lightmap")
+    only_media(lightmaps["exact"], lightmaps["media"])
     surfaces = {
         mode: render(options, scene, mode, options.pixels, "--lightmap", lightmaps[mode], *SURFACES)
         for mode in lightmaps
@@ -152,7 +136,7 @@ def draw_room(options, folder):
 
 
 def draw_page(options, folder, lightmap):
-    page = exr.read(pages(lightmap)[0])
+    page = exr.read(page_paths(lightmap)[0])
     height, width = page["R"].shape
     covered = page["coverage.Y"] > 0.0
     size = (options.page_pixels, round(options.page_pixels * height / width))

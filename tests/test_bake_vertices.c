@@ -43,16 +43,11 @@ static void plane_free(plane *self)
     free(self->indices);
 }
 
-static air_snapshot *plane_scene(const bake_host *host, const plane *p)
+static air_scene *plane_alone(const bake_host *host, const plane *p)
 {
     air_scene *scene = bake_scene(host);
     air_mesh_desc mesh;
     air_handle handle;
-    air_light_desc sun;
-    air_light_desc_default(&sun);
-    sun.kind = AIR_LIGHT_COLLIMATED;
-    set3(sun.color, 0.3f, 1.0f, 2.0f);
-    set3(sun.dir, 0.6f, -0.8f, 0.0f);
     air_mesh_desc_default(&mesh);
     mesh.name = "plane";
     mesh.positions = p->positions;
@@ -60,6 +55,17 @@ static air_snapshot *plane_scene(const bake_host *host, const plane *p)
     mesh.indices = p->indices;
     mesh.triangle_count = p->triangle_count;
     assert_int_equal(air_scene_add_mesh(scene, &mesh, &handle), AIR_OK);
+    return scene;
+}
+
+static air_snapshot *plane_scene(const bake_host *host, const plane *p)
+{
+    air_scene *scene = plane_alone(host, p);
+    air_light_desc sun;
+    air_light_desc_default(&sun);
+    sun.kind = AIR_LIGHT_COLLIMATED;
+    set3(sun.color, 0.3f, 1.0f, 2.0f);
+    set3(sun.dir, 0.6f, -0.8f, 0.0f);
     add_light(scene, &sun);
     return path_freeze(scene);
 }
@@ -335,15 +341,7 @@ static void vertices_have_the_light_integrated_over_their_hats(void **state)
     (void)state;
     bake_open(&host, 1);
     plane p = plane_make(8, 1.0f);
-    air_scene *scene = bake_scene(&host);
-    air_mesh_desc mesh;
-    air_handle handle;
-    air_mesh_desc_default(&mesh);
-    mesh.positions = p.positions;
-    mesh.vertex_count = p.vertex_count;
-    mesh.indices = p.indices;
-    mesh.triangle_count = p.triangle_count;
-    assert_int_equal(air_scene_add_mesh(scene, &mesh, &handle), AIR_OK);
+    air_scene *scene = plane_alone(&host, &p);
     add_point_light(scene, vec3(0.7f, 0.6f, -0.4f), 1.0f);
     air_snapshot *snapshot = path_freeze(scene);
     air_bake_params params = bake_raw_params(1024, 1.0f);

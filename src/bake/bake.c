@@ -176,7 +176,9 @@ static air_status make_cache(baking *b)
     }
     const double start = air_clock(b->context);
     const air_light_cache_params params = cache_params(b);
-    const double work = double_max(params.budget, 64.0 * pow(params.resolution, 3.0));
+    const double points = air_cache_scene_points(b->snapshot, params.resolution);
+    const double each = double_max((double)params.samples, AIR_CACHE_SAMPLES_LEAST);
+    const double work = double_max(params.budget, each * points);
     b->work += work;
     b->done = work;
     const air_status status = air_light_cache_create(b->context, b->snapshot, b->sobol, &params,

@@ -51,12 +51,11 @@ static void phase_moments(const air_phase *phase, float out[BANDS])
 static bool draw_point(const void *user, size_t site, const float u[2], air_path_receiver *out)
 {
     const air_cache_grid *g = user;
-    const size_t x = site % g->size[0], y = site / g->size[0] % g->size[1];
-    const size_t z = site / ((size_t)g->size[0] * g->size[1]);
+    uint32_t cell[3];
+    air_cache_cell(g, site, cell);
     /* a third number from the two: they are multiples of 2^-24, whose low bits are as good */
     const uint32_t bits = air_hash_combine((uint32_t)(u[0] * 0x1p24f), (uint32_t)(u[1] * 0x1p24f));
-    const air_vec3 center = vec3(g->low.x + (float)x * g->step.x, g->low.y + (float)y * g->step.y,
-                                 g->low.z + (float)z * g->step.z);
+    const air_vec3 center = air_cache_place_at(g, (float)cell[0], (float)cell[1], (float)cell[2]);
     const air_vec3 offset =
         vec3_mul(vec3(u[0] - 0.5f, u[1] - 0.5f, air_uint_to_float(bits) - 0.5f), g->step);
     *out = (air_path_receiver){.position = vec3_add(center, offset), .sphere = true};

@@ -190,23 +190,27 @@ static void near_and_far(const air_snapshot *snapshot, const air_medium *medium,
     *out_far = box_cut(box_grow(scene, 4.0f * path), medium_box);
 }
 
+double air_cache_scene_points(const air_snapshot *snapshot, uint32_t resolution)
+{
+    double count = 0.0;
+    for (size_t i = 0; i < snapshot->media.count; i++) {
+        air_cache_grid g;
+        box near, far;
+        near_and_far(snapshot, &snapshot->media.media[i], &near, &far);
+        if (!box_is_empty(near)) {
+            lay_out(near, resolution, &g);
+            count += (double)air_cache_point_count(&g);
+        }
+    }
+    return count;
+}
+
 uint32_t air_cache_resolution(const air_snapshot *snapshot, double points)
 {
-    uint32_t resolution = MOST_RESOLUTION + 2;
-    double count;
-    do {
-        count = 0.0;
+    uint32_t resolution = MOST_RESOLUTION;
+    while (resolution > LEAST_RESOLUTION && air_cache_scene_points(snapshot, resolution) > points) {
         resolution -= 2;
-        for (size_t i = 0; i < snapshot->media.count; i++) {
-            air_cache_grid g;
-            box near, far;
-            near_and_far(snapshot, &snapshot->media.media[i], &near, &far);
-            if (!box_is_empty(near)) {
-                lay_out(near, resolution, &g);
-                count += (double)air_cache_point_count(&g);
-            }
-        }
-    } while (count > points && resolution > LEAST_RESOLUTION);
+    }
     return resolution;
 }
 

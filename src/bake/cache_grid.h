@@ -39,10 +39,26 @@ typedef struct air_cache_grids {
 air_status air_cache_grids_place(air_context *context, const air_snapshot *snapshot,
                                  const air_medium *medium, uint32_t resolution,
                                  air_cache_grids *out_grids);
+/* Points of the scene's grids of all media together. */
+double air_cache_scene_points(const air_snapshot *snapshot, uint32_t resolution);
 /* The finest resolution, 8 to 64 and even, with which the scene's grids of all media have at most
  * so many points together. */
 uint32_t air_cache_resolution(const air_snapshot *snapshot, double points);
 void air_cache_grids_finish(air_context *context, air_cache_grids *grids);
+
+/* The cell of a point, by its number: x fastest. */
+static inline void air_cache_cell(const air_cache_grid *g, size_t index, uint32_t out[3])
+{
+    out[0] = (uint32_t)(index % g->size[0]);
+    out[1] = (uint32_t)(index / g->size[0] % g->size[1]);
+    out[2] = (uint32_t)(index / ((size_t)g->size[0] * g->size[1]));
+}
+
+/* A place in cells from the first point. */
+static inline air_vec3 air_cache_place_at(const air_cache_grid *g, float x, float y, float z)
+{
+    return vec3(g->low.x + x * g->step.x, g->low.y + y * g->step.y, g->low.z + z * g->step.z);
+}
 
 static inline size_t air_cache_point_count(const air_cache_grid *g)
 {

@@ -11,14 +11,9 @@ enum { PARTS = 4, CORNERS = 8 }; /* of a cell along each axis; points around a p
  * side of them. Shares of a cell. */
 static const float beside[3] = {0.031f, 0.023f, -0.027f};
 
-static air_vec3 place_at(const air_cache_grid *g, float x, float y, float z)
-{
-    return vec3(g->low.x + x * g->step.x, g->low.y + y * g->step.y, g->low.z + z * g->step.z);
-}
-
 static air_vec3 point_at(const air_cache_grid *g, uint32_t x, uint32_t y, uint32_t z)
 {
-    return place_at(g, (float)x + beside[0], (float)y + beside[1], (float)z + beside[2]);
+    return air_cache_place_at(g, (float)x + beside[0], (float)y + beside[1], (float)z + beside[2]);
 }
 
 /* ---- where a place is ---- */
@@ -92,18 +87,18 @@ static void look_into_cell(void *user, size_t cell, size_t worker)
     const float reach = 0.55f;
     const sight_run *run = user;
     const air_cache_grid *g = run->grid;
-    const uint32_t x = (uint32_t)(cell % g->size[0]),
-                   y = (uint32_t)(cell / g->size[0] % g->size[1]);
-    const uint32_t z = (uint32_t)(cell / ((size_t)g->size[0] * g->size[1]));
+    uint32_t at[3];
     air_ray rays[RAYS];
     uint8_t occluded[RAYS];
     (void)worker;
+    air_cache_cell(g, cell, at);
+    const float x = (float)at[0], y = (float)at[1], z = (float)at[2];
     for (int i = 0; i < RAYS; i++) {
         const int k = i < RAYS / 2 ? i : i + 1; /* 13 is the middle itself */
-        rays[i] =
-            ray_between(point_at(g, x, y, z), place_at(g, (float)x + reach * (float)(k % 3 - 1),
-                                                       (float)y + reach * (float)(k / 3 % 3 - 1),
-                                                       (float)z + reach * (float)(k / 9 - 1)));
+        rays[i] = ray_between(point_at(g, at[0], at[1], at[2]),
+                              air_cache_place_at(g, x + reach * (float)(k % 3 - 1),
+                                                 y + reach * (float)(k / 3 % 3 - 1),
+                                                 z + reach * (float)(k / 9 - 1)));
     }
     air_context_ray_backend(run->snapshot->context)
         ->occluded(run->snapshot->accelerator, rays, RAYS, occluded);
@@ -138,7 +133,7 @@ static uint8_t look_around(const sight_run *run, const uint32_t part[3])
     corners_of(g, at, cells, points);
     for (int corner = 0; corner < CORNERS; corner++) {
         blocked |= run->blocked[cells[corner]];
-        rays[corner] = ray_between(place_at(g, x[0], x[1], x[2]), points[corner]);
+        rays[corner] = ray_between(air_cache_place_at(g, x[0], x[1], x[2]), points[corner]);
     }
     if (!blocked) {
         return 0xff;

@@ -1,5 +1,6 @@
 #include "bake/first_light.h"
 
+#include "atlas/triangle.h"
 #include "core/host.h"
 #include "scene/surface.h"
 
@@ -41,13 +42,13 @@ static double texel_side(const air_mesh *mesh, const air_atlas_part *part)
     double area = 0.0, texels = 0.0;
     for (size_t t = 0; t < part->triangle_count; t++) {
         const uint32_t *at = part->indices + 3 * t;
-        double x[3], y[3];
+        double p[3][2];
         for (int k = 0; k < 3; k++) {
-            x[k] = (double)part->uv[2 * (size_t)at[k]] * part->size[0];
-            y[k] = (double)part->uv[2 * (size_t)at[k] + 1] * part->size[1];
+            p[k][0] = (double)part->uv[2 * (size_t)at[k]] * part->size[0];
+            p[k][1] = (double)part->uv[2 * (size_t)at[k] + 1] * part->size[1];
         }
         area += air_mesh_triangle_area(mesh, t);
-        texels += 0.5 * fabs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]));
+        texels += 0.5 * fabs(air_doubled_area(p[0], p[1], p[2]));
     }
     return texels > 0.0 ? sqrt(area / texels) : 0.0;
 }
@@ -115,18 +116,17 @@ bool air_first_light_has_backs(const air_first_light *self, size_t page)
 static bool is_even(const air_texel_sites *sites, uint32_t texel)
 {
     const air_bake_page *page = sites->page;
-    const air_coverage *coverage = page->coverage;
     size_t count;
     const air_fragment *fragments =
-        air_coverage_texel(coverage, texel % page->width, texel / page->width, &count);
+        air_coverage_texel(page->coverage, texel % page->width, texel / page->width, &count);
     air_vec3 first = vec3_set1(0.0f);
     for (size_t i = 0; i < count; i++) {
-        size_t triangle;
-        const size_t part =
-            air_coverage_part(coverage, air_fragment_triangle(fragments[i]), &triangle);
-        const air_mesh *mesh = sites->snapshot->meshes[page->part_meshes[part]];
+        const air_coverage_point middle = {air_fragment_triangle(fragments[i]),
+                                           {1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}};
+        const air_hit hit = air_texel_hit(page, &middle);
         air_surface_place place;
-        if (!air_surface_place_make(mesh, (uint32_t)triangle, 1.0f / 3.0f, 1.0f / 3.0f, &place)) {
+        if (!air_surface_place_make(sites->snapshot->meshes[hit.mesh], hit.triangle, hit.u, hit.v,
+                                    &place)) {
             continue;
         }
         if (vec3_is_zero(first)) {

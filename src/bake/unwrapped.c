@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "atlas/pack.h"
+#include "atlas/triangle.h"
 #include "atlas/unwrap.h"
 #include "scene/surface.h"
 
@@ -11,9 +12,9 @@
 
 static double uv_area_of(const float *a, const float *b, const float *c)
 {
-    const double x1 = (double)b[0] - (double)a[0], y1 = (double)b[1] - (double)a[1];
-    const double x2 = (double)c[0] - (double)a[0], y2 = (double)c[1] - (double)a[1];
-    return 0.5 * fabs(x1 * y2 - x2 * y1);
+    const double p[3][2] = {
+        {(double)a[0], (double)a[1]}, {(double)b[0], (double)b[1]}, {(double)c[0], (double)c[1]}};
+    return 0.5 * fabs(air_doubled_area(p[0], p[1], p[2]));
 }
 
 /* The side in texels that the unit square of the mesh's coordinates needs for the density. */
