@@ -19,6 +19,7 @@
 #include "airlight/lightmap.h"
 #include "airlight/medium.h"
 #include "airlight/moment.h"
+#include "airlight/ordinates.h"
 #include "airlight/phase_fit.h"
 #include "airlight/point.h"
 #include "airlight/render.h"
