@@ -86,7 +86,8 @@ typedef struct air_ordinates_results {
     float *beam;    /* FIRST_SCATTER: fluence of the unscattered beam; else 0 */
     const float *view_cosine; /* d.v, v the unit vector from the cell to the observer; in */
     float *seen;      /* needs view_cosine: phase-weighted fluence, 1/sr: times sigma_s it is the
-                         radiance      that a metre of the cell sends to the observer, the beam's included */
+                         radiance      that a metre of the cell sends to the observer, the beam's
+                         included */
     size_t bins;      /* of the cosine to d, even on [-1, 1] */
     float *binned;    /* bins per cell: fluence by direction, without the beam */
     float *energy;    /* E at the end, W */

@@ -1,0 +1,453 @@
+/* dom.c: the solver's directions, its memory, and what its caller sets and asks. */
+#include "ordinates/dom.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/harmonics.h"
+#include "core/host.h"
+#include "core/quadrature.h"
+#include "core/vec.h"
+
+void air_dom_params_default(air_dom_params *params)
+{
+    memset(params, 0, sizeof *params);
+    params->bands = 4;
+    params->polar = 4;
+    params->azimuths = 8;
+    params->delta_m = true;
+    params->diamond = true;
+}
+
+double air_dom_peak(const air_dom_params *params, double last_legendre)
+{
+    return params->delta_m ? fmax(last_legendre, 0.0) : 0.0;
+}
+
+static air_status check(air_context *context, const air_dom_params *p)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        if (p->size[axis] < 1 || p->size[axis] > AIR_DOM_SIZE_MAX || !(p->cell_m[axis] > 0.0f) ||
+            !isfinite(p->cell_m[axis])) {
+            return air_fail(context, AIR_ERROR_ARGUMENT,
+                            "discrete ordinates: %zu cells of %g m along %c: expected 1 to %d of a "
+                            "positive edge",
+                            p->size[axis], (double)p->cell_m[axis], "xyz"[axis],
+                            (int)AIR_DOM_SIZE_MAX);
+        }
+    }
+    if (p->bands < 1 || p->bands > AIR_DOM_BANDS_MAX) {
+        return air_fail(context, AIR_ERROR_ARGUMENT,
+                        "discrete ordinates: %d bands: expected 1 to %d", p->bands,
+                        (int)AIR_DOM_BANDS_MAX);
+    }
+    if (p->polar % 2 != 0 || p->polar < p->bands || p->polar < 2 || p->polar > 64 ||
+        p->azimuths % 4 != 0 || p->azimuths < 2 * p->bands || p->azimuths < 4 ||
+        p->azimuths > 128) {
+        return air_fail(
+            context, AIR_ERROR_ARGUMENT,
+            "discrete ordinates: %d x %d directions for %d bands: expected an even "
+            "number of polar ones, at least as many as bands, and a multiple of 4 round "
+            "the axis, at least twice as many",
+            p->polar, p->azimuths, p->bands);
+    }
+    return AIR_OK;
+}
+
+/* ---- sizes ---- */
+
+/* Of one octant, filled up. */
+static int direction_count(const air_dom_params *p)
+{
+    const int real = p->polar / 2 * (p->azimuths / 4);
+    return (real + DOM_GROUP - 1) / DOM_GROUP * DOM_GROUP;
+}
+
+size_t air_dom_bytes(const air_dom_params *p, int depth)
+{
+    const double cells = (double)p->size[0] * (double)p->size[1] * (double)p->size[2];
+    const double moments = 4.0 * p->bands * p->bands, row = 4.0 * direction_count(p);
+    const double histories = depth > 0 ? 3.0 + 2.0 * depth : 0.0;
+    const double faces = (double)p->size[0] * (1.0 + (double)p->size[1]);
+    const double numbers =
+        cells * ((3.0 + histories) * moments + 8.0 * row + 12.0 + 4.0 * p->bands) +
+        8.0 * faces * row;
+    const double bytes = numbers * sizeof(float) + cells * 4.0 * sizeof(float);
+    return bytes < 0x1p62 ? (size_t)bytes : SIZE_MAX;
+}
+
+bool dom_array_make(air_dom *dom, size_t count, dom_array *out)
+{
+    enum { ALIGNMENT = 64 };
+    out->any = NULL;
+    if (dom->block_count == DOM_BLOCKS_MAX || count > (SIZE_MAX - ALIGNMENT) / dom->number) {
+        return false;
+    }
+    char *const block = air_allocate(dom->context, count * dom->number + ALIGNMENT, 1);
+    if (block == NULL) {
+        return false;
+    }
+    dom->blocks[dom->block_count++] = block;
+    out->any = block + (ALIGNMENT - (uintptr_t)block % ALIGNMENT);
+    return true;
+}
+
+static bool make_arrays(air_dom *dom)
+{
+    const size_t cells = dom->cells, row = dom->row, n = dom->params.size[0];
+    const size_t moments = (size_t)dom->moments, all = cells * moments * AIR_DOM_STRIDE;
+    const size_t bands = (size_t)dom->params.bands;
+    bool made = true;
+    for (int axis = 0; axis < 3; axis++) {
+        made = made && dom_array_make(dom, row, &dom->slope[axis]);
+    }
+    made = made && dom_array_make(dom, row, &dom->weights);
+    made = made && dom_array_make(dom, row * moments, &dom->emitting);
+    made = made && dom_array_make(dom, row * moments, &dom->gathering);
+    made = made && dom_array_make(dom, cells * AIR_DOM_STRIDE, &dom->sigma_s);
+    made = made && dom_array_make(dom, cells * AIR_DOM_STRIDE, &dom->sigma_t);
+    made = made && dom_array_make(dom, cells * AIR_DOM_STRIDE, &dom->sigma_a);
+    made = made && dom_array_make(dom, cells * AIR_DOM_STRIDE * bands, &dom->phase);
+    made = made && dom_array_make(dom, all, &dom->light);
+    made = made && dom_array_make(dom, all, &dom->field);
+    made = made && dom_array_make(dom, all, &dom->next);
+    made = made && dom_array_make(dom, DOM_OCTANTS * dom->octant, &dom->radiance);
+    made = made && dom_array_make(dom, DOM_OCTANTS * n * row, &dom->face[1]);
+    made = made && dom_array_make(dom, DOM_OCTANTS * dom->slab * row, &dom->face[2]);
+    made = made && dom_array_make(dom, DOM_OCTANTS * 3 * row, &dom->leaving);
+    made = made && dom_array_make(dom, DOM_OCTANTS * row, &dom->inflow);
+    dom->peak = air_allocate(dom->context, cells * AIR_DOM_STRIDE, sizeof *dom->peak);
+    dom->sums = air_allocate(dom->context, dom->params.size[2], sizeof *dom->sums);
+    for (int axis = 0; axis < 3; axis++) {
+        dom->dir[axis] = air_allocate(dom->context, (size_t)dom->directions, sizeof(double));
+        made = made && dom->dir[axis] != NULL;
+    }
+    dom->weight = air_allocate(dom->context, (size_t)dom->directions, sizeof(double));
+    return made && dom->weight != NULL && dom->peak != NULL && dom->sums != NULL;
+}
+
+/* ---- directions ---- */
+
+static void make_directions(air_dom *dom)
+{
+    const int polar = dom->params.polar, quarter = dom->params.azimuths / 4;
+    double nodes[64], weights[64];
+    air_gauss_legendre((size_t)polar, nodes, weights);
+    for (int o = 0; o < dom->directions; o++) {
+        const bool real = o < polar / 2 * quarter;
+        const int p = polar / 2 + (real ? o / quarter : 0), a = real ? o % quarter : 0;
+        const double z = nodes[p], r = sqrt(1.0 - z * z);
+        const double phi = (a + 0.5) * 2.0 * AIR_PI / dom->params.azimuths;
+        dom->dir[0][o] = r * cos(phi);
+        dom->dir[1][o] = r * sin(phi);
+        dom->dir[2][o] = z;
+        dom->weight[o] = real ? weights[p] * 2.0 * AIR_PI / dom->params.azimuths : 0.0;
+    }
+    for (int o = 0; o < dom->directions; o++) {
+        for (size_t c = 0; c < AIR_DOM_STRIDE; c++) {
+            const size_t at = (size_t)o * AIR_DOM_STRIDE + c;
+            dom_put(dom, &dom->weights, at, dom->weight[o]);
+            for (int axis = 0; axis < 3; axis++) {
+                dom_put(dom, &dom->slope[axis], at,
+                        2.0 * dom->dir[axis][o] / (double)dom->params.cell_m[axis]);
+            }
+        }
+    }
+}
+
+/* How y_lm changes under mirroring in x, y and z: cos(m phi) is even in y, sin odd; phi to pi - phi
+ * and cos theta to -cos theta give the others. */
+static int class_of(int l, int m)
+{
+    const int n = abs(m), odd = n % 2;
+    const int x = m >= 0 ? odd : 1 - odd, y = m < 0, z = (l + n) % 2;
+    return x | y << 1 | z << 2;
+}
+
+static void sort_moments(air_dom *dom)
+{
+    int count = 0;
+    for (int class = 0; class < DOM_OCTANTS; class ++) {
+        for (int l = 0; l < dom->params.bands; l++) {
+            for (int m = -l; m <= l; m++) {
+                if (class_of(l, m) == class) {
+                    dom->class_of[count] = class;
+                    dom->band_of[count] = l;
+                    dom->order[count++] = l * l + l + m;
+                }
+            }
+        }
+    }
+}
+
+/* g_l of the scaled medium. */
+static double scaled_legendre(double g_l, double peak) { return (g_l - peak) / (1.0 - peak); }
+
+static void make_harmonics(air_dom *dom)
+{
+    const double peak = air_dom_peak(&dom->params, dom->legendre[dom->params.bands]);
+    double y[DOM_MOMENTS_MAX];
+    for (int o = 0; o < dom->directions; o++) {
+        const double dir[3] = {dom->dir[0][o], dom->dir[1][o], dom->dir[2][o]};
+        air_sh_evaluate(dom->params.bands, dir, y);
+        for (int m = 0; m < dom->moments; m++) {
+            const double g = scaled_legendre(dom->legendre[dom->band_of[m]], peak);
+            const double emitted = y[dom->order[m]] * (dom->uniform ? g : 1.0);
+            for (size_t c = 0; c < AIR_DOM_STRIDE; c++) {
+                const size_t at = (size_t)m * dom->row + (size_t)o * AIR_DOM_STRIDE + c;
+                dom_put(dom, &dom->emitting, at, emitted);
+                dom_put(dom, &dom->gathering, at, dom->weight[o] * y[dom->order[m]]);
+            }
+        }
+    }
+}
+
+static const dom_kernel *kernel_of(air_cpu cpu)
+{
+    switch (cpu) {
+#if defined(__x86_64__)
+    case AIR_CPU_AVX512:
+        return &dom_kernel_avx512;
+    case AIR_CPU_AVX2:
+        return &dom_kernel_avx2;
+    case AIR_CPU_SSE42:
+        return &dom_kernel_sse42;
+#endif
+    default:
+        return &dom_kernel_plain;
+    }
+}
+
+air_status air_dom_create(air_context *context, const air_dom_params *params, air_dom **out_dom)
+{
+    *out_dom = NULL;
+    const air_status status = check(context, params);
+    if (status != AIR_OK) {
+        return status;
+    }
+    air_dom *const dom = air_allocate(context, 1, sizeof *dom);
+    if (dom == NULL) {
+        return air_fail_memory(context, "discrete ordinates");
+    }
+    dom->context = context;
+    dom->params = *params;
+    dom->kernel = kernel_of(air_context_cpu(context));
+    dom->number = dom->kernel == &dom_kernel_plain ? sizeof(double) : sizeof(float);
+    dom->slab = params->size[0] * params->size[1];
+    dom->cells = dom->slab * params->size[2];
+    dom->moments = params->bands * params->bands;
+    dom->directions = direction_count(params);
+    dom->row = (size_t)dom->directions * AIR_DOM_STRIDE;
+    /* Not a multiple of the cache's ways, which eight streams side by side would share. */
+    dom->octant = dom->cells * dom->row + 9 * 16;
+    dom->uniform = true;
+    dom->legendre[0] = 1.0;
+    if (!make_arrays(dom)) {
+        air_dom_destroy(dom);
+        return air_fail_memory(context, "discrete ordinates");
+    }
+    make_directions(dom);
+    sort_moments(dom);
+    make_harmonics(dom);
+    *out_dom = dom;
+    return AIR_OK;
+}
+
+void air_dom_destroy(air_dom *dom)
+{
+    if (dom == NULL) {
+        return;
+    }
+    for (int i = 0; i < dom->block_count; i++) {
+        air_free(dom->context, dom->blocks[i]);
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        air_free(dom->context, dom->dir[axis]);
+    }
+    air_free(dom->context, dom->weight);
+    air_free(dom->context, dom->history.dots);
+    air_free(dom->context, dom->peak);
+    air_free(dom->context, dom->sums);
+    air_free(dom->context, dom);
+}
+
+/* ---- the medium ---- */
+
+static air_status check_medium(const air_dom *dom, const float *sigma_s, const float *sigma_a,
+                               const air_dom_phase *phase)
+{
+    for (size_t i = 0; i < 3 * dom->cells; i++) {
+        const double s = (double)sigma_s[i], a = (double)sigma_a[i];
+        const double g = phase->g != NULL ? (double)phase->g[i] : 0.0;
+        if (!(s >= 0.0) || !(a >= 0.0) || !isfinite(s + a) || !(fabs(g) < 1.0)) {
+            return air_fail(dom->context, AIR_ERROR_ARGUMENT,
+                            "discrete ordinates: cell %zu, channel %zu: sigma_s %g, sigma_a %g, g "
+                            "%g: expected finite numbers >= 0 and g between -1 and 1",
+                            i % dom->cells, i / dom->cells, s, a, g);
+        }
+    }
+    for (int l = 0; phase->g == NULL && l < dom->params.bands; l++) {
+        if (!(fabs(phase->legendre[l]) <= 1.0)) {
+            return air_fail(dom->context, AIR_ERROR_ARGUMENT,
+                            "discrete ordinates: the mean of P_%d is %g: expected -1 to 1", l + 1,
+                            phase->legendre[l]);
+        }
+    }
+    return AIR_OK;
+}
+
+/* Is g the same wherever there is scattering? Then it is the first such. */
+static bool find_uniform(const air_dom *dom, const float *sigma_s, const float *g, float *out_g)
+{
+    bool found = false;
+    *out_g = 0.0f;
+    for (size_t i = 0; i < 3 * dom->cells; i++) {
+        if (sigma_s[i] > 0.0f && (!found || g[i] != *out_g)) {
+            if (found) {
+                return false;
+            }
+            *out_g = g[i];
+            found = true;
+        }
+    }
+    return true;
+}
+
+static void set_legendre(air_dom *dom, const float *sigma_s, const air_dom_phase *phase)
+{
+    float g = 0.0f;
+    dom->uniform = phase->g == NULL || find_uniform(dom, sigma_s, phase->g, &g);
+    for (int l = 1; l <= dom->params.bands; l++) {
+        dom->legendre[l] = phase->g == NULL ? phase->legendre[l - 1] : pow((double)g, l);
+    }
+}
+
+static void set_cell(air_dom *dom, size_t cell, size_t c, double s, double a, double g)
+{
+    const int bands = dom->params.bands;
+    const double last = dom->uniform ? dom->legendre[bands] : pow(g, bands);
+    const double peak = air_dom_peak(&dom->params, last);
+    const size_t at = cell * AIR_DOM_STRIDE + c;
+    dom->peak[at] = (float)peak;
+    dom_put(dom, &dom->sigma_s, at, s * (1.0 - peak));
+    dom_put(dom, &dom->sigma_a, at, a);
+    dom_put(dom, &dom->sigma_t, at, s * (1.0 - peak) + a);
+    double power = 1.0;
+    for (int l = 0; l < bands && !dom->uniform; l++) {
+        dom_put(dom, &dom->phase, (cell * (size_t)bands + (size_t)l) * AIR_DOM_STRIDE + c,
+                scaled_legendre(power, peak));
+        power *= g;
+    }
+}
+
+air_status air_dom_set_medium(air_dom *dom, const float *sigma_s, const float *sigma_a,
+                              const air_dom_phase *phase)
+{
+    const air_status status = check_medium(dom, sigma_s, sigma_a, phase);
+    if (status != AIR_OK) {
+        return status;
+    }
+    set_legendre(dom, sigma_s, phase);
+    make_harmonics(dom);
+    for (size_t c = 0; c < 3; c++) {
+        for (size_t cell = 0; cell < dom->cells; cell++) {
+            const size_t i = c * dom->cells + cell;
+            set_cell(dom, cell, c, (double)sigma_s[i], (double)sigma_a[i],
+                     phase->g != NULL ? (double)phase->g[i] : 0.0);
+        }
+    }
+    return AIR_OK;
+}
+
+/* ---- light ---- */
+
+/* Number i of our arrays, of the m-th moment, in those of callers. */
+static size_t moment_place(const air_dom *dom, size_t i, size_t m)
+{
+    return i + ((size_t)dom->order[m] - m) * AIR_DOM_STRIDE;
+}
+
+static air_status copy_in(const air_dom *dom, const float *from, size_t count, dom_array *out,
+                          const char *what)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(from[i])) {
+            return air_fail(dom->context, AIR_ERROR_ARGUMENT,
+                            "discrete ordinates: %s: moment %zu is not a finite number", what, i);
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        const size_t c = i % AIR_DOM_STRIDE, m = i / AIR_DOM_STRIDE % (size_t)dom->moments;
+        dom_put(dom, out, i, c == 3 ? 0.0 : (double)from[moment_place(dom, i, m)]);
+    }
+    return AIR_OK;
+}
+
+air_status air_dom_set_light(air_dom *dom, const float *moments)
+{
+    return copy_in(dom, moments, dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE, &dom->light,
+                   "light");
+}
+
+air_status air_dom_set_inflow(air_dom *dom, const float *moments, uint32_t faces)
+{
+    const size_t count = (size_t)dom->moments * AIR_DOM_STRIDE;
+    double y[DOM_MOMENTS_MAX];
+    for (size_t i = 0; moments != NULL && i < count; i++) {
+        if (!isfinite(moments[i])) {
+            return air_fail(dom->context, AIR_ERROR_ARGUMENT,
+                            "discrete ordinates: inflow: moment %zu is not a finite number", i);
+        }
+    }
+    dom->inflow_faces = moments != NULL ? faces & 63u : 0u;
+    for (int octant = 0; octant < DOM_OCTANTS && moments != NULL; octant++) {
+        for (int o = 0; o < dom->directions; o++) {
+            double dir[3];
+            for (int axis = 0; axis < 3; axis++) {
+                dir[axis] = (octant >> axis & 1) != 0 ? -dom->dir[axis][o] : dom->dir[axis][o];
+            }
+            air_sh_evaluate(dom->params.bands, dir, y);
+            for (size_t c = 0; c < AIR_DOM_STRIDE; c++) {
+                double sum = 0.0;
+                for (size_t m = 0; m < (size_t)dom->moments && c < 3; m++) {
+                    sum += y[m] * (double)moments[m * AIR_DOM_STRIDE + c];
+                }
+                dom_put(dom, &dom->inflow,
+                        ((size_t)octant * (size_t)dom->directions + (size_t)o) * AIR_DOM_STRIDE + c,
+                        fmax(sum, 0.0));
+            }
+        }
+    }
+    return AIR_OK;
+}
+
+/* ---- results ---- */
+
+void air_dom_moments(const air_dom *dom, float *out)
+{
+    for (size_t i = 0; i < dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE; i++) {
+        const size_t m = i / AIR_DOM_STRIDE % (size_t)dom->moments;
+        out[moment_place(dom, i, m)] = (float)dom_get(dom, &dom->field, i);
+    }
+}
+
+void air_dom_scattered(const air_dom *dom, float *out)
+{
+    const int bands = dom->params.bands;
+    for (size_t cell = 0; cell < dom->cells; cell++) {
+        for (int m = 0; m < dom->moments; m++) {
+            const size_t l = (size_t)dom->band_of[m];
+            for (size_t c = 0; c < AIR_DOM_STRIDE; c++) {
+                const size_t i = (cell * (size_t)dom->moments + (size_t)m) * AIR_DOM_STRIDE + c;
+                const double peak = (double)dom->peak[cell * AIR_DOM_STRIDE + c];
+                const double g = dom->uniform
+                                     ? scaled_legendre(dom->legendre[l], peak)
+                                     : dom_get(dom, &dom->phase,
+                                               (cell * (size_t)bands + l) * AIR_DOM_STRIDE + c);
+                out[moment_place(dom, i, (size_t)m)] =
+                    (float)((1.0 - peak) * g * dom_get(dom, &dom->field, i));
+            }
+        }
+    }
+}

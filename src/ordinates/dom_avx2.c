@@ -1,0 +1,2 @@
+#define DOM_KERNEL dom_kernel_avx2
+#include "ordinates/dom_lanes.h"

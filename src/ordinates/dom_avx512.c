@@ -1,0 +1,2 @@
+#define DOM_KERNEL dom_kernel_avx512
+#include "ordinates/dom_lanes.h"

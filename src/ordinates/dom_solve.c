@@ -1,0 +1,289 @@
+/* dom_solve.c: sweeps until nothing changes, with Anderson's acceleration [Anderson1965], and the
+ * books. */
+#include <math.h>
+#include <string.h>
+
+#include "core/host.h"
+#include "core/vec.h"
+#include "ordinates/dom.h"
+
+void air_dom_solve_params_default(air_dom_solve_params *params)
+{
+    memset(params, 0, sizeof *params);
+    params->sweeps = 32;
+    params->change = 1e-3;
+    params->depth = 4;
+}
+
+/* ---- one sweep ---- */
+
+static void emit_slab(void *user, size_t k, size_t worker)
+{
+    air_dom *const dom = user;
+    (void)worker;
+    dom->kernel->emit(dom, k);
+}
+
+static void sweep_octant(void *user, size_t octant, size_t worker)
+{
+    air_dom *const dom = user;
+    (void)worker;
+    dom->kernel->sweep(dom, (int)octant);
+}
+
+static void gather_slab(void *user, size_t k, size_t worker)
+{
+    air_dom *const dom = user;
+    (void)worker;
+    dom->kernel->gather(dom, k);
+}
+
+/* next = what field and light make; returns how much that changes, as a share. */
+static double sweep_all(air_dom *dom)
+{
+    const size_t slabs = dom->params.size[2];
+    dom_sums sums = {0.0, 0.0};
+    air_parallel_for(dom->context, slabs, emit_slab, dom);
+    air_parallel_for(dom->context, DOM_OCTANTS, sweep_octant, dom);
+    air_parallel_for(dom->context, slabs, gather_slab, dom);
+    for (size_t k = 0; k < slabs; k++) {
+        sums.change += dom->sums[k].change;
+        sums.size += dom->sums[k].size;
+    }
+    return sums.size > 0.0 ? sqrt(sums.change / sums.size) : 0.0;
+}
+
+static void swap(dom_array *a, dom_array *b)
+{
+    const dom_array keep = *a;
+    *a = *b;
+    *b = keep;
+}
+
+/* ---- acceleration ---- */
+
+static air_status make_history(air_dom *dom, int depth)
+{
+    dom_history *const h = &dom->history;
+    const size_t all = dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE;
+    bool made = true;
+    if (depth > 0 && h->dots == NULL) {
+        made = dom_array_make(dom, all, &h->residual) &&
+               dom_array_make(dom, all, &h->last_residual) &&
+               dom_array_make(dom, all, &h->last_next);
+        h->dots = air_allocate(dom->context, dom->params.size[2],
+                               2 * AIR_DOM_DEPTH_MAX * sizeof *h->dots);
+        made = made && h->dots != NULL;
+    }
+    for (; made && h->depth < depth; h->depth++) {
+        made = dom_array_make(dom, all, &h->residuals[h->depth]) &&
+               dom_array_make(dom, all, &h->nexts[h->depth]);
+    }
+    h->count = h->next_slot = 0;
+    return made ? AIR_OK : air_fail_memory(dom->context, "discrete ordinates");
+}
+
+/* Keeps the latest step's differences of one slab, and their products with all that are kept. */
+static void remember_slab(void *user, size_t k, size_t worker)
+{
+    air_dom *const dom = user;
+    dom_history *const h = &dom->history;
+    const dom_kernel *const kernel = dom->kernel;
+    double *const dots = h->dots + k * 2 * AIR_DOM_DEPTH_MAX;
+    size_t begin, end;
+    (void)worker;
+    dom_slab_range(dom, k, &begin, &end);
+    kernel->subtract(&dom->next, &dom->field, &h->residual, begin, end);
+    if (h->count == 0) {
+        return;
+    }
+    dom_array *const latest = &h->residuals[h->next_slot];
+    kernel->subtract(&h->residual, &h->last_residual, latest, begin, end);
+    kernel->subtract(&dom->next, &h->last_next, &h->nexts[h->next_slot], begin, end);
+    for (int i = 0; i < h->count; i++) {
+        dots[i] = kernel->dot(latest, &h->residuals[i], begin, end);
+        dots[AIR_DOM_DEPTH_MAX + i] = kernel->dot(&h->residual, &h->residuals[i], begin, end);
+    }
+}
+
+static void sum_dots(dom_history *h, size_t slabs)
+{
+    for (int i = 0; i < h->count; i++) {
+        double product = 0.0, right = 0.0;
+        for (size_t k = 0; k < slabs; k++) {
+            product += h->dots[k * 2 * AIR_DOM_DEPTH_MAX + (size_t)i];
+            right += h->dots[k * 2 * AIR_DOM_DEPTH_MAX + AIR_DOM_DEPTH_MAX + (size_t)i];
+        }
+        h->gram[h->next_slot][i] = h->gram[i][h->next_slot] = product;
+        h->right[i] = right;
+    }
+}
+
+/* Solves (gram + 1e-10 trace) x = right by Cholesky's decomposition; false where that is singular.
+ */
+static bool solve_normal(const dom_history *h, double *x)
+{
+    const int n = h->count;
+    double factor[AIR_DOM_DEPTH_MAX][AIR_DOM_DEPTH_MAX], trace = 0.0;
+    for (int i = 0; i < n; i++) {
+        trace += h->gram[i][i];
+    }
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j <= i; j++) {
+            double sum = h->gram[i][j] + (i == j ? 1e-10 * trace : 0.0);
+            for (int k = 0; k < j; k++) {
+                sum -= factor[i][k] * factor[j][k];
+            }
+            if (i == j && !(sum > 0.0)) {
+                return false;
+            }
+            factor[i][j] = i == j ? sqrt(sum) : sum / factor[j][j];
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        x[i] = h->right[i];
+        for (int k = 0; k < i; k++) {
+            x[i] -= factor[i][k] * x[k];
+        }
+        x[i] /= factor[i][i];
+    }
+    for (int i = n; i-- > 0;) {
+        for (int k = i + 1; k < n; k++) {
+            x[i] -= factor[k][i] * x[k];
+        }
+        x[i] /= factor[i][i];
+    }
+    return true;
+}
+
+typedef struct mixing {
+    air_dom *dom;
+    double factors[AIR_DOM_DEPTH_MAX];
+    int count;
+} mixing;
+
+static void mix_slab(void *user, size_t k, size_t worker)
+{
+    const mixing *const self = user;
+    air_dom *const dom = self->dom;
+    size_t begin, end;
+    (void)worker;
+    dom_slab_range(dom, k, &begin, &end);
+    dom->kernel->combine(&dom->next, dom->history.nexts, self->factors, self->count, &dom->field,
+                         begin, end);
+}
+
+/* field = the combination of the last results whose residual is least. */
+static void accelerate(air_dom *dom, int depth, bool first)
+{
+    dom_history *const h = &dom->history;
+    mixing mix = {.dom = dom};
+    if (!first) {
+        h->count = h->count < depth ? h->count + 1 : depth;
+    }
+    air_parallel_for(dom->context, dom->params.size[2], remember_slab, dom);
+    if (h->count > 0) {
+        sum_dots(h, dom->params.size[2]);
+        mix.count = solve_normal(h, mix.factors) ? h->count : 0;
+        h->next_slot = (h->next_slot + 1) % depth;
+    }
+    air_parallel_for(dom->context, dom->params.size[2], mix_slab, &mix);
+    swap(&h->residual, &h->last_residual);
+    swap(&dom->next, &h->last_next);
+}
+
+/* ---- books ---- */
+
+static double face_area(const air_dom *dom, int axis)
+{
+    const float *const m = dom->params.cell_m;
+    return (double)m[(axis + 1) % 3] * (double)m[(axis + 2) % 3];
+}
+
+static size_t face_cells(const air_dom *dom, int axis)
+{
+    return dom->cells / dom->params.size[axis];
+}
+
+/* Power through the box's faces: out, and in by the inflow. */
+static void add_boundary(const air_dom *dom, size_t c, air_dom_books *books)
+{
+    for (int octant = 0; octant < DOM_OCTANTS; octant++) {
+        for (int axis = 0; axis < 3; axis++) {
+            const int side = octant >> axis & 1;
+            const bool lit = (dom->inflow_faces >> (2 * axis + side)) & 1u;
+            double out = 0.0, in = 0.0;
+            for (int o = 0; o < dom->directions; o++) {
+                const size_t at = (size_t)o * AIR_DOM_STRIDE + c;
+                const double share = dom->weight[o] * dom->dir[axis][o] * face_area(dom, axis);
+                out += share * dom_get(dom, &dom->leaving,
+                                       ((size_t)octant * 3 + (size_t)axis) * dom->row + at);
+                in += share * dom_get(dom, &dom->inflow, (size_t)octant * dom->row + at);
+            }
+            books->out[2 * axis + 1 - side] += out;
+            books->in += lit ? in * (double)face_cells(dom, axis) : 0.0;
+        }
+    }
+}
+
+/* Of the sweep that made next from field. */
+static air_dom_books balance(const air_dom *dom, size_t c)
+{
+    const float *const m = dom->params.cell_m;
+    const double volume = (double)m[0] * (double)m[1] * (double)m[2];
+    const double fluence = sqrt(4.0 * AIR_PI) * volume;
+    air_dom_books books = {0};
+    for (size_t cell = 0; cell < dom->cells; cell++) {
+        const size_t at = cell * AIR_DOM_STRIDE + c;
+        const size_t zero = cell * (size_t)dom->moments * AIR_DOM_STRIDE + c;
+        const double sigma_s = dom_get(dom, &dom->sigma_s, at);
+        const double sigma_a = dom_get(dom, &dom->sigma_a, at);
+        const double now = dom_get(dom, &dom->next, zero);
+        books.in += fluence * sigma_s * dom_get(dom, &dom->light, zero);
+        books.absorbed += fluence * sigma_a * now;
+        books.residual += fluence * sigma_s * (now - dom_get(dom, &dom->field, zero));
+    }
+    add_boundary(dom, c, &books);
+    return books;
+}
+
+/* ---- all ---- */
+
+air_status air_dom_solve(air_dom *dom, const air_dom_solve_params *params, air_dom_report *report)
+{
+    air_dom_report result = {0};
+    if (params->sweeps < 1 || !(params->change >= 0.0) || params->depth < 0 ||
+        params->depth > AIR_DOM_DEPTH_MAX) {
+        return air_fail(dom->context, AIR_ERROR_ARGUMENT,
+                        "discrete ordinates: %u sweeps, change %g, depth %d: expected at least one "
+                        "sweep, a change >= 0 and a depth of 0 to %d",
+                        params->sweeps, params->change, params->depth, (int)AIR_DOM_DEPTH_MAX);
+    }
+    const air_status status = make_history(dom, params->depth);
+    if (status != AIR_OK) {
+        return status;
+    }
+    if (params->cold) {
+        memset(dom->field.any, 0, dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE * dom->number);
+    }
+    while (true) {
+        result.change = sweep_all(dom);
+        result.sweeps++;
+        if (result.sweeps >= params->sweeps || result.change < params->change) {
+            break;
+        }
+        if (params->depth > 0) {
+            accelerate(dom, params->depth, result.sweeps == 1);
+        } else {
+            swap(&dom->field, &dom->next);
+        }
+    }
+    for (size_t c = 0; c < 3 && report != NULL; c++) {
+        result.books[c] = balance(dom, c);
+    }
+    swap(&dom->field, &dom->next);
+    if (report != NULL) {
+        *report = result;
+    }
+    return AIR_OK;
+}
