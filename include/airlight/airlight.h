@@ -20,6 +20,7 @@
 #include "airlight/medium.h"
 #include "airlight/moment.h"
 #include "airlight/ordinates.h"
+#include "airlight/ordinates_beam.h"
 #include "airlight/ordinates_dom.h"
 #include "airlight/phase_fit.h"
 #include "airlight/point.h"

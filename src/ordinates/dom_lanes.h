@@ -3,19 +3,9 @@
 #include "core/lanes_float.h"
 #include "core/vec.h"
 #include "ordinates/dom.h"
-
-typedef float four __attribute__((vector_size(16)));
+#include "ordinates/four.h"
 
 enum { CHANNELS = AIR_DOM_STRIDE, WAYS = LANES / CHANNELS /* directions in a vector */ };
-
-static inline four four_load(const float *p)
-{
-    four v;
-    memcpy(&v, p, sizeof v);
-    return v;
-}
-
-static inline void four_store(float *p, four v) { memcpy(p, &v, sizeof v); }
 
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 
