@@ -1,0 +1,127 @@
+/* seen.c: source functions towards an observer. */
+#include <math.h>
+
+#include "airlight/ordinates_view.h"
+#include "core/harmonics.h"
+#include "core/phase.h"
+#include "ordinates/four.h"
+
+enum { CHANNELS = 4, RUN = 64 /* cells of a row at a time */ };
+
+/* Directions of travel from the centres of `count` cells of a row to the observer. */
+static void view_directions(const air_seen_box *box, size_t i, size_t j, size_t k, size_t count,
+                            float out[3][RUN])
+{
+    const size_t at[3] = {i, j, k};
+    for (size_t n = 0; n < count; n++) {
+        float v[3], square = 0.0f;
+        for (int axis = 0; axis < 3; axis++) {
+            const size_t cell = at[axis] + (axis == 0 ? n : 0);
+            const float center = ((float)(ptrdiff_t)cell + 0.5f) * box->cell_m[axis];
+            v[axis] = box->distant ? box->observer[axis] : box->observer[axis] - center;
+            square += v[axis] * v[axis];
+        }
+        const float scale = 1.0f / sqrtf(float_max(square, 1e-30f));
+        for (int axis = 0; axis < 3; axis++) {
+            out[axis][n] = v[axis] * scale;
+        }
+    }
+}
+
+static four sum_moments(int bands, const float *moments, const double *factors, float v[3][RUN],
+                        size_t n)
+{
+    const double dir[3] = {(double)v[0][n], (double)v[1][n], (double)v[2][n]};
+    double y[AIR_SH_COUNT_MAX];
+    four sum = four_all(0.0f);
+    air_sh_evaluate(bands, dir, y);
+    for (int l = 0, m = 0; l < bands; l++) {
+        for (; m < (l + 1) * (l + 1); m++) {
+            sum += (float)(factors[l] * y[m]) * four_load(moments + m * CHANNELS);
+        }
+    }
+    return sum;
+}
+
+void air_seen_moments(const air_seen_box *box, int bands, const float *moments,
+                      const double *factors, size_t begin, size_t end, float *out)
+{
+    const size_t stride = (size_t)(bands * bands) * CHANNELS;
+    float v[3][RUN];
+    for (size_t k = begin; k < end; k++) {
+        for (size_t j = 0; j < box->size[1]; j++) {
+            for (size_t i = 0; i < box->size[0]; i += RUN) {
+                const size_t count = box->size[0] - i < RUN ? box->size[0] - i : RUN;
+                const size_t cell = (k * box->size[1] + j) * box->size[0] + i;
+                view_directions(box, i, j, k, count, v);
+                for (size_t n = 0; n < count; n++) {
+                    float *const at = out + (cell + n) * CHANNELS;
+                    const four sum =
+                        sum_moments(bands, moments + (cell + n) * stride, factors, v, n);
+                    four_store(at, four_load(at) + sum);
+                }
+            }
+        }
+    }
+}
+
+/* One lobe of a phase function, as a beam of mean cosine `lobe` sees it. Rayleigh's is 1 + P_2 / 2,
+ * of which lobe^2 is left: share of it, the rest even. */
+static void add_lobe(const air_phase_lobe *from, float lobe, float cosine[RUN], size_t count,
+                     float value[RUN])
+{
+    const float quarter = 1.0f / (4.0f * AIR_PI_F);
+    if (from->kind == AIR_PHASE_RAYLEIGH) {
+        for (size_t n = 0; n < count; n++) {
+            const float band = 1.5f * cosine[n] * cosine[n] - 0.5f;
+            value[n] += from->weight * quarter * (1.0f + 0.5f * lobe * lobe * band);
+        }
+        return;
+    }
+    const float g = from->kind == AIR_PHASE_HG ? from->g * lobe : 0.0f;
+    const float top = from->weight * quarter * (1.0f - g * g), base = 1.0f + g * g;
+    for (size_t n = 0; n < count; n++) {
+        const float d = float_max(base - 2.0f * g * cosine[n], 1e-12f);
+        value[n] += top / (d * sqrtf(d));
+    }
+}
+
+static void add_beam(const air_seen_beam *beam, air_phase phase, float v[3][RUN], size_t count,
+                     size_t cell, float *out)
+{
+    const air_phase_lobe only = {phase.kind, phase.g, 1.0f};
+    const bool mixture = phase.kind == AIR_PHASE_MIXTURE;
+    const air_phase_lobe *const lobes = mixture ? phase.mixture->lobes : &only;
+    const four power = {beam->power[0], beam->power[1], beam->power[2], 0.0f};
+    float cosine[RUN], value[RUN];
+    for (size_t n = 0; n < count; n++) {
+        cosine[n] = beam->dir[0] * v[0][n] + beam->dir[1] * v[1][n] + beam->dir[2] * v[2][n];
+        value[n] = 0.0f;
+    }
+    for (size_t i = 0; i < (mixture ? phase.mixture->lobe_count : 1); i++) {
+        add_lobe(&lobes[i], beam->lobe, cosine, count, value);
+    }
+    for (size_t n = 0; n < count; n++) {
+        float *const at = out + (cell + n) * CHANNELS;
+        const four fluence = four_load(beam->fluence + (cell + n) * CHANNELS);
+        four_store(at, four_load(at) + value[n] * power * fluence);
+    }
+}
+
+void air_seen_beams(const air_seen_box *box, const air_seen_beam *beams, size_t count,
+                    air_phase phase, size_t begin, size_t end, float *out)
+{
+    float v[3][RUN];
+    for (size_t k = begin; k < end; k++) {
+        for (size_t j = 0; j < box->size[1]; j++) {
+            for (size_t i = 0; i < box->size[0]; i += RUN) {
+                const size_t run = box->size[0] - i < RUN ? box->size[0] - i : RUN;
+                const size_t cell = (k * box->size[1] + j) * box->size[0] + i;
+                view_directions(box, i, j, k, run, v);
+                for (size_t b = 0; b < count; b++) {
+                    add_beam(&beams[b], phase, v, run, cell, out);
+                }
+            }
+        }
+    }
+}
