@@ -11,6 +11,7 @@
 #include "airlight/collimated_walk.h"
 #include "airlight/context.h"
 #include "airlight/denoise.h"
+#include "airlight/frame.h"
 #include "airlight/image.h"
 #include "airlight/impulse.h"
 #include "airlight/impulse_quadrature.h"
