@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "import_fixture.h"
+#include "scene/media/grid.h"
 
 /* A glTF file with a cube named Fog, and a sidecar beside it with this text. */
 typedef struct sidecar_fixture {
@@ -485,6 +486,48 @@ static void a_grid_without_a_boundary_is_bounded_by_its_own_box(void **state)
     import_finish(&f.base);
 }
 
+static void a_grid_whose_name_holds_hashes_is_that_of_the_frame(void **state)
+{
+    (void)state;
+    static const char *const text =
+        "{'media':[{'sigma_s':1,'density':{'grid':{'file':'smoke.##.raw','size':[2,2,2]}},"
+        "'albedo_grid':{'file':'albedo.#.raw','size':[1,1,1],'channels':3}}]}";
+    static const float values[8] = {2, 2, 2, 2, 2, 2, 2, 2}, albedo[3] = {0.5f, 0.5f, 0.5f};
+    sidecar_fixture f;
+    start(&f);
+    import_serve(&f.base, "smoke.07.raw", values, sizeof values);
+    import_serve(&f.base, "albedo.7.raw", albedo, sizeof albedo);
+    f.base.params.frame = 7;
+    beside_loads(&f, text);
+    assert_float_equal(air_grid_max(only_medium(&f)->density_grid), 2.0f, 0.0f);
+    assert_non_null(only_medium(&f)->albedo_grid);
+    expect_bounds(only_medium(&f), (const float[]){0, 0, 0}, (const float[]){1, 1, 1});
+    f.base.params.frame = AIR_FRAME_NONE;
+    assert_int_equal(beside(&f, text), AIR_ERROR_IO);
+    assert_string_equal(
+        f.base.said[AIR_MESSAGE_ERROR],
+        "smoke.##.raw: there is no such file, and # stands for the number of a frame: expected one "
+        "(--frames of airlight render, --frame of bake and info)\n");
+    f.base.params.frame = 8;
+    assert_int_equal(beside(&f, text), AIR_ERROR_IO);
+    assert_string_equal(f.base.said[AIR_MESSAGE_ERROR], "smoke.08.raw: cannot be read\n");
+    import_finish(&f.base);
+}
+
+/* Then it is a name like any other. */
+static void without_a_frame_a_file_may_have_hashes_in_its_name(void **state)
+{
+    (void)state;
+    static const float values[8] = {2, 2, 2, 2, 2, 2, 2, 2};
+    sidecar_fixture f;
+    start(&f);
+    import_serve(&f.base, "smoke#.raw", values, sizeof values);
+    beside_loads(&f, "{'media':[{'sigma_s':1,'density':{'grid':{'file':'smoke#.raw','size':"
+                     "[2,2,2]}}}]}");
+    assert_int_equal(only_medium(&f)->boundary, AIR_BOUNDARY_BOX);
+    import_finish(&f.base);
+}
+
 static void overlap_is_added_or_replaced(void **state)
 {
     (void)state;
@@ -777,6 +820,8 @@ int main(void)
         cmocka_unit_test(an_open_boundary_mesh_is_refused_with_file_and_place),
         cmocka_unit_test(layers_and_height_fog_follow_their_node),
         cmocka_unit_test(a_grid_without_a_boundary_is_bounded_by_its_own_box),
+        cmocka_unit_test(a_grid_whose_name_holds_hashes_is_that_of_the_frame),
+        cmocka_unit_test(without_a_frame_a_file_may_have_hashes_in_its_name),
         cmocka_unit_test(overlap_is_added_or_replaced),
         cmocka_unit_test(a_polygon_light_radiates_as_it_says),
         cmocka_unit_test(a_mirroring_node_keeps_the_front_of_a_polygon_light),

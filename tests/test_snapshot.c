@@ -2,6 +2,7 @@
 #include <math.h>
 #include <pthread.h>
 
+#include "scene/media/grid.h"
 #include "scene/snapshot.h"
 #include "scene_fixture.h"
 
@@ -241,6 +242,54 @@ static void adding_and_removing_is_dirty(void **state)
     s.wall_desc.to_world[3] = -4.0f;
     set_wall(&s);
     assert_int_equal(fixture_dirty(s.scene), AIR_DIRTY_TRANSFORM | AIR_DIRTY_CAMERA);
+    close_studio(&s);
+}
+
+static air_grid_desc cube_of(const float *values)
+{
+    return (air_grid_desc){.name = "smoke",
+                           .size = {2, 2, 2},
+                           .channels = 1,
+                           .values = values,
+                           .index_to_local = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+}
+
+static void a_new_grid_makes_the_media_that_hold_it_dirty_and_nothing_else(void **state)
+{
+    const float thin[8] = {1, 1, 1, 1, 1, 1, 1, 1}, thick[8] = {2, 2, 2, 2, 2, 2, 2, 2};
+    const air_grid_desc thin_desc = cube_of(thin), thick_desc = cube_of(thick);
+    studio s;
+    air_handle grid, other;
+    (void)state;
+    open_studio(&s);
+    assert_int_equal(air_scene_add_grid(s.scene, &thin_desc, &grid), AIR_OK);
+    s.haze_desc.density.kind = AIR_DENSITY_GRID;
+    s.haze_desc.density.grid = grid;
+    s.haze_desc.density.grid_to_world[0] = s.haze_desc.density.grid_to_world[5] =
+        s.haze_desc.density.grid_to_world[10] = 1.0f;
+    assert_int_equal(air_scene_set_medium(s.scene, s.haze, &s.haze_desc), AIR_OK);
+    air_snapshot *a = fixture_commit(s.scene, NULL);
+    assert_int_equal(air_scene_set_grid(s.scene, grid, &thick_desc), AIR_OK);
+    uint32_t dirty;
+    air_snapshot *b = fixture_commit(s.scene, &dirty);
+    assert_int_equal(dirty, AIR_DIRTY_MEDIUM);
+    assert_ptr_equal(a->accelerator, b->accelerator);
+    assert_ptr_equal(a->lights.entries, b->lights.entries);
+    assert_float_equal(air_grid_max(a->media.media[0].density_grid), 1.0f, 0.0f);
+    assert_float_equal(air_grid_max(b->media.media[0].density_grid), 2.0f, 0.0f);
+
+    assert_int_equal(air_scene_add_grid(s.scene, &thin_desc, &other), AIR_OK);
+    assert_int_equal(fixture_dirty(s.scene), 0);
+    assert_int_equal(air_scene_set_grid(s.scene, other, &thick_desc), AIR_OK);
+    air_snapshot *c = fixture_commit(s.scene, &dirty);
+    assert_int_equal(dirty, 0);
+    assert_ptr_equal(b->media.media, c->media.media);
+
+    assert_int_equal(air_scene_set_grid(s.scene, s.haze, &thick_desc), AIR_ERROR_ARGUMENT);
+    assert_int_equal(air_scene_remove(s.scene, grid), AIR_ERROR_ARGUMENT);
+    air_snapshot_release(a);
+    air_snapshot_release(b);
+    air_snapshot_release(c);
     close_studio(&s);
 }
 
@@ -531,6 +580,7 @@ int main(void)
         cmocka_unit_test(each_edit_is_dirty_in_its_own_way),
         cmocka_unit_test(emissive_meshes_are_lights),
         cmocka_unit_test(adding_and_removing_is_dirty),
+        cmocka_unit_test(a_new_grid_makes_the_media_that_hold_it_dirty_and_nothing_else),
         cmocka_unit_test(what_is_unchanged_is_shared),
         cmocka_unit_test(moving_one_mesh_shares_the_other),
         cmocka_unit_test(visibility_rebuilds_the_accelerator_and_names_do_not),

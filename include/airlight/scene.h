@@ -7,6 +7,7 @@
 #ifndef AIRLIGHT_SCENE_H
 #define AIRLIGHT_SCENE_H
 
+#include "airlight/frame.h"
 #include "airlight/light.h"
 #include "airlight/medium.h"
 
@@ -133,10 +134,10 @@ AIR_API air_status air_scene_add_texture(air_scene *scene, const air_texture_des
 AIR_API air_status air_scene_add_grid(air_scene *scene, const air_grid_desc *desc,
                                       air_handle *out_handle);
 /* Loads a grid file: .nvdb (grid_name NULL: the grid called "density", else the first) or Mitsuba
- * .vol. */
+ * .vol. A path with # (frame.h) is that of the scene's frame, if it has one. */
 AIR_API air_status air_scene_load_grid(air_scene *scene, const char *path, const char *grid_name,
                                        air_handle *out_handle);
-/* Raw little-endian float32, x fastest, filling the unit cube [0,1]^3. */
+/* Raw little-endian float32, x fastest, filling the unit cube [0,1]^3. Likewise with #. */
 AIR_API air_status air_scene_load_raw_grid(air_scene *scene, const char *path, const size_t size[3],
                                            size_t channels, air_handle *out_handle);
 AIR_API air_status air_scene_add_material(air_scene *scene, const air_material_desc *desc,
@@ -154,6 +155,11 @@ AIR_API air_status air_scene_add_camera(air_scene *scene, const air_camera_desc 
  */
 AIR_API air_status air_scene_set_material(air_scene *scene, air_handle handle,
                                           const air_material_desc *desc);
+/* Media keep their handles of a grid, and take what it then holds. Of a sequence it is no more
+ * part.
+ */
+AIR_API air_status air_scene_set_grid(air_scene *scene, air_handle handle,
+                                      const air_grid_desc *desc);
 AIR_API air_status air_scene_set_mesh(air_scene *scene, air_handle handle,
                                       const air_mesh_desc *desc);
 AIR_API air_status air_scene_set_medium(air_scene *scene, air_handle handle,
@@ -162,6 +168,15 @@ AIR_API air_status air_scene_set_light(air_scene *scene, air_handle handle,
                                        const air_light_desc *desc);
 AIR_API air_status air_scene_set_camera(air_scene *scene, air_handle handle,
                                         const air_camera_desc *desc);
+
+/* Moves a scene to a frame of its grid sequences: every grid that was loaded from a path with #
+ * while the scene had a frame is loaded anew from the path at this one, and stays as it was under
+ * its handle for all that refers to it; nothing else changes, so that a commit says
+ * AIR_DIRTY_MEDIUM and shares the rest with the one before. Grids loaded later are those of this
+ * frame. The frame that the scene has already reads nothing. AIR_FRAME_NONE, with which scenes
+ * begin: paths are taken as they are. On failure (the message names the file) the scene stays at
+ * the frame it had. AIR_ERROR_ARGUMENT: another negative frame, or one above AIR_FRAME_MAX. */
+AIR_API air_status air_scene_set_frame(air_scene *scene, int64_t frame);
 
 /* Says where the scene came from and what its loader assumed and warned of; shown by
  * air_snapshot_describe. Strings are copied; units are "radiometric" or "photometric". */
@@ -206,6 +221,8 @@ typedef struct air_load_params {
     air_units
         emissive_units; /* AUTO: photometric, radiometric for files that Blender's exporter wrote */
     int32_t scene_index; /* which glTF scene; -1: the file's default, or the first */
+    int64_t frame; /* of grids whose file names hold #; default AIR_FRAME_NONE: there are none such.
+                      air_scene_set_frame goes on from there */
 } air_load_params;
 
 AIR_API void air_load_params_default(air_load_params *params);
@@ -222,12 +239,18 @@ typedef struct air_scene_info {
         emissive_triangle_count;
     size_t medium_count, camera_count;
     float bounds_min[3],
-        bounds_max[3]; /* of meshes and bounded media; min > max if there are none */
+        bounds_max[3];                /* of meshes and bounded media; min > max if there are none */
+    float media_min[3], media_max[3]; /* of bounded media alone; likewise */
     bool camera_in_file;
     bool light_present;
 } air_scene_info;
 
 AIR_API void air_snapshot_info(const air_snapshot *snapshot, air_scene_info *out_info);
+
+/* A camera as it is in the snapshot; AIR_NONE: the first, or the one that frames the bounds. The
+ * name is borrowed from the snapshot. AIR_ERROR_ARGUMENT: the handle names no camera. */
+AIR_API air_status air_snapshot_camera_desc(const air_snapshot *snapshot, air_handle camera,
+                                            air_camera_desc *out_desc);
 
 #ifdef __cplusplus
 }

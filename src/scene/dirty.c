@@ -46,6 +46,18 @@ static bool emitters_equal(const air_lights_part *a, const air_lights_part *b)
     return true;
 }
 
+/* Of media with equal descriptions: grids are replaced under their handles. */
+static bool grids_equal(const air_media *a, const air_media *b)
+{
+    for (size_t i = 0; i < a->count; ++i) {
+        if (a->media[i].density_grid != b->media[i].density_grid ||
+            a->media[i].albedo_grid != b->media[i].albedo_grid ||
+            a->media[i].emission_grid != b->media[i].emission_grid)
+            return false;
+    }
+    return true;
+}
+
 /* What changed of a mesh: new arrays or flags are geometry, and then a new place is no news. */
 static uint32_t mesh_dirty(const air_mesh_record *a, const air_mesh_record *b)
 {
@@ -73,7 +85,7 @@ uint32_t air_snapshot_dirty(const air_snapshot *previous, const air_snapshot *ne
         dirty |= AIR_DIRTY_CAMERA;
     if (!objects_equal(a, b, AIR_OBJECT_LIGHT) || !emitters_equal(a->lights, b->lights))
         dirty |= AIR_DIRTY_LIGHT;
-    if (!objects_equal(a, b, AIR_OBJECT_MEDIUM))
+    if (!objects_equal(a, b, AIR_OBJECT_MEDIUM) || !grids_equal(&previous->media, &next->media))
         dirty |= AIR_DIRTY_MEDIUM;
     if (!objects_equal(a, b, AIR_OBJECT_MATERIAL))
         dirty |= AIR_DIRTY_MATERIAL;

@@ -100,21 +100,33 @@ static void destroy_media(air_record *record)
     air_free(record->context, part->sources);
 }
 
-static bool media_fit(const air_media_part *part, const air_held *held, size_t count)
-{
-    if (part == NULL || part->count != count)
-        return false;
-    for (size_t i = 0; i < count; ++i) {
-        if (&part->sources[i]->base != held[i].record)
-            return false;
-    }
-    return true;
-}
-
 static const air_grid *named_grid(const air_snapshot *snapshot, air_handle handle)
 {
     const air_record *record = named_record(snapshot, AIR_OBJECT_GRID, handle);
     return record == NULL ? NULL : ((const air_grid_record *)record)->grid;
+}
+
+/* Does a medium look at the grids that its description names in this snapshot? */
+static bool grids_fit(const air_snapshot *snapshot, const air_density *density,
+                      const air_medium *medium)
+{
+    return density->kind != AIR_DENSITY_GRID ||
+           (medium->density_grid == named_grid(snapshot, density->grid) &&
+            medium->albedo_grid == named_grid(snapshot, density->albedo_grid) &&
+            medium->emission_grid == named_grid(snapshot, density->emission_grid));
+}
+
+static bool media_fit(const air_snapshot *snapshot, const air_media_part *part)
+{
+    const air_held *held = snapshot->shared->held[AIR_OBJECT_MEDIUM];
+    if (part == NULL || part->count != snapshot->shared->held_count[AIR_OBJECT_MEDIUM])
+        return false;
+    for (size_t i = 0; i < part->count; ++i) {
+        if (&part->sources[i]->base != held[i].record ||
+            !grids_fit(snapshot, &part->sources[i]->desc.density, &part->media.media[i]))
+            return false;
+    }
+    return true;
 }
 
 static air_status build_media(const air_snapshot *snapshot, air_media_part *part)
@@ -151,7 +163,7 @@ air_status air_snapshot_set_media(air_snapshot *snapshot, const air_snapshot *pr
 {
     struct air_shared *shared = snapshot->shared;
     air_media_part *part = previous != NULL ? previous->shared->media : NULL;
-    if (media_fit(part, shared->held[AIR_OBJECT_MEDIUM], shared->held_count[AIR_OBJECT_MEDIUM])) {
+    if (media_fit(snapshot, part)) {
         air_record_retain(&part->base);
         shared->media = part;
     } else {

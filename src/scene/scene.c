@@ -3,13 +3,11 @@
 
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
 #include "scene/camera.h"
 #include "scene/grid_record.h"
 #include "scene/light_record.h"
 #include "scene/material.h"
-#include "scene/media/grid.h"
 #include "scene/medium_record.h"
 #include "scene/mesh.h"
 #include "scene/subject.h"
@@ -152,7 +150,8 @@ static air_status create_record(air_context *context, air_object_kind kind, cons
         return air_light_record_create(context, desc, out_record);
     case AIR_OBJECT_CAMERA:
         return air_camera_record_create(context, desc, out_record);
-    case AIR_OBJECT_GRID: /* made by its callers, which also load files */
+    case AIR_OBJECT_GRID:
+        return air_grid_record_create(context, desc, out_record);
     case AIR_OBJECT_KIND_COUNT:
         break;
     }
@@ -261,6 +260,7 @@ air_status air_scene_create(air_context *context, air_scene **out_scene)
     scene->context = context;
     scene->light_units = AIR_UNITS_RADIOMETRIC;
     scene->emissive_units = AIR_UNITS_RADIOMETRIC;
+    scene->frame = AIR_FRAME_NONE;
     *out_scene = scene;
     return AIR_OK;
 }
@@ -329,58 +329,42 @@ air_status air_scene_add_texture(air_scene *scene, const air_texture_desc *desc,
     return add_object(scene, AIR_OBJECT_TEXTURE, desc, out_handle);
 }
 
-/* Adds a grid, which is taken. */
-static air_status add_grid(air_scene *scene, const char *name, air_grid *grid,
-                           air_handle *out_handle)
-{
-    air_record *record = NULL;
-    const air_status status = air_grid_record_create(scene->context, name, grid, &record);
-    return status == AIR_OK ? add_record(scene, AIR_OBJECT_GRID, record, out_handle) : status;
-}
-
 air_status air_scene_add_grid(air_scene *scene, const air_grid_desc *desc, air_handle *out_handle)
 {
-    air_grid *grid = NULL;
-    air_status status = check_arguments(scene, AIR_OBJECT_GRID, desc, out_handle);
-    if (status == AIR_OK)
-        status = air_grid_create(scene->context, desc, &grid);
-    return status == AIR_OK ? add_grid(scene, desc->name, grid, out_handle) : status;
+    return add_object(scene, AIR_OBJECT_GRID, desc, out_handle);
 }
 
-static bool has_ending(const char *path, const char *ending)
+air_status air_scene_set_grid(air_scene *scene, air_handle handle, const air_grid_desc *desc)
 {
-    const size_t length = strlen(path), ending_length = strlen(ending);
-    return length >= ending_length && strcasecmp(path + length - ending_length, ending) == 0;
+    return set_object(scene, AIR_OBJECT_GRID, handle, desc);
+}
+
+static air_status load_grid(air_scene *scene, const air_grid_file *file, air_handle *out_handle)
+{
+    air_record *record = NULL;
+    const air_status status = air_grid_record_load(scene->context, file, scene->frame, &record);
+    return status == AIR_OK ? add_record(scene, AIR_OBJECT_GRID, record, out_handle) : status;
 }
 
 air_status air_scene_load_grid(air_scene *scene, const char *path, const char *grid_name,
                                air_handle *out_handle)
 {
-    air_grid *grid = NULL;
-    air_status status = check_arguments(scene, AIR_OBJECT_GRID, path, out_handle);
-    if (status != AIR_OK)
-        return status;
-    if (has_ending(path, ".nvdb"))
-        status = air_grid_load_nvdb(scene->context, path, grid_name, &grid);
-    else if (has_ending(path, ".vol"))
-        status = air_grid_load_vol(scene->context, path, &grid);
-    else
-        status = air_fail(
-            scene->context, AIR_ERROR_UNSUPPORTED,
-            "%s: grid files end in .nvdb or .vol (airlight convert makes .nvdb from .vdb)", path);
-    return status == AIR_OK ? add_grid(scene, path, grid, out_handle) : status;
+    const air_status status = check_arguments(scene, AIR_OBJECT_GRID, path, out_handle);
+    const air_grid_file file = {.path = path, .name = grid_name};
+    return status == AIR_OK ? load_grid(scene, &file, out_handle) : status;
 }
 
 air_status air_scene_load_raw_grid(air_scene *scene, const char *path, const size_t size[3],
                                    size_t channels, air_handle *out_handle)
 {
-    air_grid *grid = NULL;
     air_status status = check_arguments(scene, AIR_OBJECT_GRID, path, out_handle);
     if (status == AIR_OK)
         status = check_arguments(scene, AIR_OBJECT_GRID, size, out_handle);
-    if (status == AIR_OK)
-        status = air_grid_load_raw(scene->context, path, size, channels, &grid);
-    return status == AIR_OK ? add_grid(scene, path, grid, out_handle) : status;
+    if (status != AIR_OK)
+        return status;
+    const air_grid_file file = {
+        .path = path, .raw = true, .size = {size[0], size[1], size[2]}, .channels = channels};
+    return load_grid(scene, &file, out_handle);
 }
 
 air_status air_scene_add_material(air_scene *scene, const air_material_desc *desc,

@@ -26,6 +26,7 @@ struct air_scene {
     air_snapshot *last; /* what the last commit made, retained; NULL before the first */
     char *source;
     air_units light_units, emissive_units;
+    int64_t frame; /* AIR_FRAME_NONE: none */
     char **warnings;
     size_t warning_count;
 };

@@ -53,7 +53,7 @@ bool air_record_equal(air_object_kind kind, const air_record *a, const air_recor
         return air_camera_equal(&((const air_camera_record *)a)->desc,
                                 &((const air_camera_record *)b)->desc);
     case AIR_OBJECT_TEXTURE: /* never replaced */
-    case AIR_OBJECT_GRID:
+    case AIR_OBJECT_GRID:    /* too large to be looked through: a new one is another one */
     case AIR_OBJECT_KIND_COUNT:
         break;
     }

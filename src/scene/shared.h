@@ -21,7 +21,7 @@ typedef struct air_accelerator_part {
 } air_accelerator_part;
 
 /* The media, and the records they were built from. Their grids are held by every snapshot that
- * holds these records. */
+ * shares the part. */
 typedef struct air_media_part {
     air_record base;
     air_media media;

@@ -1,6 +1,7 @@
 /* Freezing a scene, and what can be asked of the result. */
 #include "scene/snapshot.h"
 
+#include <inttypes.h>
 #include <string.h>
 
 #include "scene/scene.h"
@@ -155,11 +156,30 @@ static air_status set_meshes(air_snapshot *snapshot)
     return AIR_OK;
 }
 
-static void grow_bounds(air_snapshot *snapshot, const float low[3], const float high[3])
+static void empty_bounds(float low[3], float high[3])
 {
     for (size_t axis = 0; axis < 3; ++axis) {
-        snapshot->bounds_min[axis] = fminf(snapshot->bounds_min[axis], low[axis]);
-        snapshot->bounds_max[axis] = fmaxf(snapshot->bounds_max[axis], high[axis]);
+        low[axis] = INFINITY;
+        high[axis] = -INFINITY;
+    }
+}
+
+static void grow_bounds(float low[3], float high[3], const float by_low[3], const float by_high[3])
+{
+    for (size_t axis = 0; axis < 3; ++axis) {
+        low[axis] = fminf(low[axis], by_low[axis]);
+        high[axis] = fmaxf(high[axis], by_high[axis]);
+    }
+}
+
+/* Those that are bounded on all sides. */
+static void grow_by_media(const air_snapshot *snapshot, float low[3], float high[3])
+{
+    for (size_t i = 0; i < snapshot->media.count; ++i) {
+        const air_medium *medium = &snapshot->media.media[i];
+        if (vec3_is_finite(vec3_load(medium->bounds_min)) &&
+            vec3_is_finite(vec3_load(medium->bounds_max)))
+            grow_bounds(low, high, medium->bounds_min, medium->bounds_max);
     }
 }
 
@@ -167,21 +187,14 @@ static void grow_bounds(air_snapshot *snapshot, const float low[3], const float 
 static void set_bounds(air_snapshot *snapshot)
 {
     const struct air_shared *shared = snapshot->shared;
-    for (size_t axis = 0; axis < 3; ++axis) {
-        snapshot->bounds_min[axis] = INFINITY;
-        snapshot->bounds_max[axis] = -INFINITY;
-    }
+    float *low = snapshot->bounds_min, *high = snapshot->bounds_max;
+    empty_bounds(low, high);
     for (size_t i = 0; i < snapshot->mesh_count; ++i) {
         const air_world_mesh *world =
             ((air_mesh_record *)shared->held[AIR_OBJECT_MESH][i].record)->world;
-        grow_bounds(snapshot, world->bounds_min, world->bounds_max);
+        grow_bounds(low, high, world->bounds_min, world->bounds_max);
     }
-    for (size_t i = 0; i < snapshot->media.count; ++i) {
-        const air_medium *medium = &snapshot->media.media[i];
-        if (vec3_is_finite(vec3_load(medium->bounds_min)) &&
-            vec3_is_finite(vec3_load(medium->bounds_max)))
-            grow_bounds(snapshot, medium->bounds_min, medium->bounds_max);
-    }
+    grow_by_media(snapshot, low, high);
 }
 
 static air_camera camera_form(const air_camera_record *record, air_handle handle)
@@ -291,6 +304,25 @@ size_t air_snapshot_camera(const air_snapshot *snapshot, air_handle handle)
     return air_shared_find(snapshot->shared, AIR_OBJECT_CAMERA, handle);
 }
 
+air_status air_snapshot_camera_desc(const air_snapshot *snapshot, air_handle camera,
+                                    air_camera_desc *out_desc)
+{
+    if (snapshot == NULL || out_desc == NULL)
+        return AIR_ERROR_ARGUMENT;
+    const size_t index = air_snapshot_camera(snapshot, camera);
+    if (index == SIZE_MAX)
+        return air_fail(snapshot->context, AIR_ERROR_ARGUMENT,
+                        "the handle %" PRIu32 " names no camera in this snapshot", camera);
+    const air_camera *form = &snapshot->cameras[index];
+    *out_desc = (air_camera_desc){.name = form->name,
+                                  .kind = form->kind,
+                                  .fov_y_rad = form->fov_y_rad,
+                                  .half_height = form->half_height,
+                                  .aspect = form->aspect};
+    memcpy(out_desc->to_world, form->to_world, sizeof out_desc->to_world);
+    return AIR_OK;
+}
+
 /* Is there anything that sends light? Surfaces that only show themselves (unlit) count where there
  * are no others. */
 static bool has_light(const air_snapshot *snapshot)
@@ -328,4 +360,6 @@ void air_snapshot_info(const air_snapshot *snapshot, air_scene_info *out_info)
                          .light_present = has_light(snapshot)};
     memcpy(out_info->bounds_min, snapshot->bounds_min, sizeof out_info->bounds_min);
     memcpy(out_info->bounds_max, snapshot->bounds_max, sizeof out_info->bounds_max);
+    empty_bounds(out_info->media_min, out_info->media_max);
+    grow_by_media(snapshot, out_info->media_min, out_info->media_max);
 }

@@ -6,8 +6,10 @@
 
 void air_load_params_default(air_load_params *params)
 {
-    *params = (air_load_params){
-        .light_units = AIR_UNITS_AUTO, .emissive_units = AIR_UNITS_AUTO, .scene_index = -1};
+    *params = (air_load_params){.light_units = AIR_UNITS_AUTO,
+                                .emissive_units = AIR_UNITS_AUTO,
+                                .scene_index = -1,
+                                .frame = AIR_FRAME_NONE};
 }
 
 static void gltf_finish(air_gltf *gltf)
@@ -212,6 +214,8 @@ air_status air_scene_load(air_context *context, const char *path, const air_load
     import.append_geometry = air_gltf_append_geometry;
     import.user = &gltf;
     air_status status = air_scene_create(context, &import.scene);
+    if (status == AIR_OK)
+        status = air_scene_set_frame(import.scene, import.params->frame);
     if (status == AIR_OK)
         status = fill_scene(&gltf);
     air_import_finish(&import);

@@ -209,16 +209,20 @@ static air_status read_named_mesh(const air_sidecar_part *part, const air_json *
 }
 
 /* The box outside which a grid is 0: from half a cell before its first sample to half a cell behind
- * its last. */
+ * its last. Those of a sequence may each have another: every commit cuts the medium down to its
+ * grid anyway. */
 static void set_grid_box(const air_sidecar_part *part, const air_density *density,
                          air_boundary *boundary)
 {
     const air_slot_list *list = &part->import->scene->lists[AIR_OBJECT_GRID];
     const air_slot *slot = &list->slots[air_slot_find(list, density->grid)];
-    const air_grid *grid = ((const air_grid_record *)slot->record)->grid;
+    const air_grid_record *record = (const air_grid_record *)slot->record;
+    const air_grid *grid = record->grid;
     const float no_rotation[9] = {1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f};
     size_t size[3];
     float center[3], half[3], to_index[12], to_local[12];
+    if (record->sequence.path != NULL)
+        return;
     air_grid_size(grid, size);
     for (size_t i = 0; i < 3; ++i) {
         center[i] = 0.5f * (float)(size[i] - 1);
