@@ -208,11 +208,16 @@ void cli_attribute_command(cli_attributes *attributes, const char *command, int 
     add_attribute(attributes, "airlight:command", true, text);
 }
 
+void cli_attributes_cut(cli_attributes *attributes, size_t count)
+{
+    while (attributes->count > count) {
+        free(attributes->items[--attributes->count].value);
+    }
+}
+
 void cli_attributes_finish(cli_attributes *attributes)
 {
-    for (size_t i = 0; i < attributes->count; i++) {
-        free(attributes->items[i].value);
-    }
+    cli_attributes_cut(attributes, 0);
     *attributes = (cli_attributes){0};
 }
 

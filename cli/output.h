@@ -49,6 +49,8 @@ void cli_attribute_add(cli_attributes *attributes, const char *name, bool image_
 /* "airlight:command" as it could be typed again: the program, the subcommand and its arguments. */
 void cli_attribute_command(cli_attributes *attributes, const char *command, int argc,
                            char *const *argv);
+/* Drops those behind the first `count`. */
+void cli_attributes_cut(cli_attributes *attributes, size_t count);
 void cli_attributes_finish(cli_attributes *attributes);
 
 typedef struct cli_written {

@@ -7,7 +7,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { MESSAGE_MAX = 4096, BAR_WIDTH = 30 };
+enum { MESSAGE_MAX = 4096, WHAT_MAX = 192, BAR_WIDTH = 30 };
 
 static const double bar_interval_s = 0.1, json_interval_s = 0.5;
 
@@ -120,9 +120,20 @@ static void format_duration(double seconds, char *out, size_t size)
     }
 }
 
+/* What is being done, and for which frame. */
+static void format_what(const cli_progress *progress, char *out, size_t size)
+{
+    if (progress->in_sequence) {
+        snprintf(out, size, "frame %lld (%zu of %zu): %s", progress->frame,
+                 progress->frame_index + 1, progress->frame_count, progress->what);
+    } else {
+        snprintf(out, size, "%s", progress->what);
+    }
+}
+
 static void draw_bar(cli_progress *progress, double fraction, double elapsed_s)
 {
-    char bar[BAR_WIDTH + 1], remaining[32] = "";
+    char bar[BAR_WIDTH + 1], remaining[32] = "", what[WHAT_MAX];
     const int filled = (int)(fraction * BAR_WIDTH);
     memset(bar, '.', BAR_WIDTH);
     memset(bar, '#', (size_t)filled);
@@ -130,10 +141,21 @@ static void draw_bar(cli_progress *progress, double fraction, double elapsed_s)
     if (fraction > 0.01 && elapsed_s > 1.0) {
         format_duration(elapsed_s * (1.0 - fraction) / fraction, remaining, sizeof remaining);
     }
-    fprintf(stderr, "\r\033[K%s [%s] %3.0f %%%s%s%s", progress->what, bar, 100.0 * fraction,
+    format_what(progress, what, sizeof what);
+    fprintf(stderr, "\r\033[K%s [%s] %3.0f %%%s%s%s", what, bar, 100.0 * fraction,
             remaining[0] != '\0' ? ", " : "", remaining, remaining[0] != '\0' ? " left" : "");
     fflush(stderr);
     progress->bar_shown = true;
+}
+
+static void write_json_progress(const cli_progress *progress, double fraction, double elapsed_s)
+{
+    json_t *const line = json_pack("{s:s, s:s, s:f, s:f}", "event", "progress", "what",
+                                   progress->what, "fraction", fraction, "seconds", elapsed_s);
+    if (line != NULL && progress->in_sequence) {
+        json_object_set_new(line, "frame", json_integer(progress->frame));
+    }
+    write_json_line(line);
 }
 
 static void show_progress(cli_progress *progress, double fraction, double now_s)
@@ -141,6 +163,7 @@ static void show_progress(cli_progress *progress, double fraction, double now_s)
     const bool done = fraction >= 1.0;
     const int tenth = (int)(fraction * 10.0);
     const double elapsed_s = now_s - progress->start_s, pause_s = now_s - progress->shown_s;
+    char what[WHAT_MAX];
     switch (progress->mode) {
     case CLI_PROGRESS_BAR:
         if (!done && pause_s < bar_interval_s) {
@@ -152,15 +175,14 @@ static void show_progress(cli_progress *progress, double fraction, double now_s)
         if (tenth <= progress->shown_tenth) {
             return;
         }
-        fprintf(stderr, "airlight: %s: %d %% after %.1f s\n", progress->what, tenth * 10,
-                elapsed_s);
+        format_what(progress, what, sizeof what);
+        fprintf(stderr, "airlight: %s: %d %% after %.1f s\n", what, tenth * 10, elapsed_s);
         break;
     case CLI_PROGRESS_JSON:
         if (!done && pause_s < json_interval_s) {
             return;
         }
-        write_json_line(json_pack("{s:s, s:s, s:f, s:f}", "event", "progress", "what",
-                                  progress->what, "fraction", fraction, "seconds", elapsed_s));
+        write_json_progress(progress, fraction, elapsed_s);
         break;
     case CLI_PROGRESS_AUTO:
     case CLI_PROGRESS_NONE:
@@ -185,5 +207,16 @@ void cli_progress_update(cli_progress *progress, double fraction, const char *wh
         progress->shown_tenth = 0;
     }
     show_progress(progress, fraction, now_s);
+    funlockfile(stderr);
+}
+
+void cli_progress_frame(cli_progress *progress, long long frame, size_t index, size_t count)
+{
+    flockfile(stderr);
+    progress->in_sequence = true;
+    progress->frame = frame;
+    progress->frame_index = index;
+    progress->frame_count = count;
+    progress->what[0] = '\0'; /* the same activity begins anew */
     funlockfile(stderr);
 }

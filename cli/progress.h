@@ -21,7 +21,10 @@ typedef struct cli_progress {
     bool quiet, verbose;
     bool bar_shown;
     size_t error_count;
-    char what[64];  /* the activity under way; "" before the first */
+    char what[64]; /* the activity under way; "" before the first */
+    bool in_sequence;
+    long long frame; /* of a sequence */
+    size_t frame_index, frame_count;
     double start_s; /* when it began */
     double shown_s; /* when something was last shown */
     int shown_tenth;
@@ -40,6 +43,9 @@ void cli_report(cli_progress *progress, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
 void cli_progress_update(cli_progress *progress, double fraction, const char *what);
+
+/* From now on progress is that of this frame, the index-th (from 0) of `count`. */
+void cli_progress_frame(cli_progress *progress, long long frame, size_t index, size_t count);
 
 /* Takes the bar away; to be called before anything else is written to the terminal. */
 void cli_progress_clear(cli_progress *progress);

@@ -1,14 +1,16 @@
 #include <airlight/render.h>
 #include <airlight/version.h>
 #include <jansson.h>
-#include <math.h>
 #include <stdio.h>
-#include <sys/resource.h>
 
+#include "frames.h"
 #include "host.h"
+#include "interrupt.h"
 #include "output.h"
 #include "render_options.h"
+#include "rendered.h"
 #include "scene_options.h"
+#include "sequence.h"
 
 static const char *const film_extensions[] = {".exr", ".png", ".pfm", ".film", NULL};
 
@@ -17,15 +19,18 @@ static const cli_usage render_usage = {
     .arguments = "SCENE",
     .summary =
         "Renders a scene (.gltf or .glb, with what NAME.airlight.json beside it adds) and writes "
-        "the picture, by default NAME.exr in the current directory. An interrupt stops the pass "
-        "under way: those before it are written, marked as partial, and the exit code is 130.",
+        "the picture, by default NAME.exr in the current directory; with --frames, one for each "
+        "frame. An interrupt stops the pass under way: those before it are written, marked as "
+        "partial, and the exit code is 130.",
     .examples =
         "  airlight render room.glb -o room.exr -o room.png\n"
         "  airlight render room.glb --medium visibility=50m --environment sky.hdr --quality draft\n"
         "  airlight render room.glb --time 60 --width 1920 --layers -o room.exr\n"
         "  airlight render room.glb --lightmap room.lightmap -o baked.exr\n"
         "  airlight render room.glb --samples 0:256 -o a.film    # and 256:512 elsewhere, then "
-        "merge\n",
+        "merge\n"
+        "  airlight render stage.glb --medium grid=smoke.####.nvdb,sigma_s=8 --frames 1-48 "
+        "-o stage.####.exr\n",
     .argument_min = 1,
     .argument_max = 1,
 };
@@ -40,13 +45,18 @@ typedef struct render_run {
     cli_host_options host_options;
     cli_host host;
     char default_output[512];
-    air_snapshot *snapshot;
+    cli_sequence sequence;
     json_t *description;
     cli_camera camera;
     air_render_params params;
     air_area_table area_table;
     air_lightmap *lightmap;
     cli_attributes attributes;
+    /* of the frame under way: */
+    int64_t frame;              /* AIR_FRAME_NONE: there is one without a number */
+    char label[32], prefix[40]; /* "frame 7", "frame 7: " */
+    cli_frame_names names;      /* frame_output's */
+    cli_output_options frame_output;
     air_film *film;
     bool interrupted;
     double load_s, render_s, write_s;
@@ -59,8 +69,68 @@ typedef struct render_run {
 
 static void set_default_output(render_run *run)
 {
-    cli_output_name(run->scene_path, ".exr", run->default_output, sizeof run->default_output);
+    cli_output_name(run->scene_path, run->options.frames != NULL ? ".####.exr" : ".exr",
+                    run->default_output, sizeof run->default_output);
     run->output.paths.items[run->output.paths.count++] = run->default_output;
+}
+
+/* The names of the first frame, and those of the last: there runs of unlike length may meet. */
+static cli_exit check_outputs(render_run *run)
+{
+    const cli_frames *const frames = &run->options.sequence;
+    const size_t ends[2] = {0, cli_frames_count(frames) - 1};
+    cli_exit result = cli_frames_check_names(&run->host, frames, &run->output.paths);
+    for (size_t i = 0; i < 2 && result == CLI_OK; i++) {
+        result = cli_frame_names_set(&run->host, &run->output.paths, cli_frames_at(frames, ends[i]),
+                                     &run->names);
+        if (result == CLI_OK) {
+            result = cli_output_check(&run->host, &run->names.list, film_extensions);
+        }
+    }
+    for (size_t i = 0; i < run->output.paths.count && result == CLI_OK; i++) {
+        const bool exposed = run->output.exposure.set && !run->output.exposure.word;
+        if (cli_frames_count(frames) > 1 && !exposed &&
+            cli_has_extension(run->output.paths.items[i], ".png")) {
+            cli_say(&run->host.progress, AIR_MESSAGE_WARNING,
+                    "%s: each frame gets an exposure of its own, which may flicker: --exposure EV "
+                    "sets one for all",
+                    run->output.paths.items[i]);
+            break;
+        }
+    }
+    return result;
+}
+
+/* Which frame it is about, for messages, progress and reports. */
+static void begin_frame(render_run *run, size_t index)
+{
+    const cli_frames *const frames = &run->options.sequence;
+    run->frame = cli_frames_at(frames, index);
+    if (frames->set) {
+        snprintf(run->label, sizeof run->label, "frame %lld", (long long)run->frame);
+        snprintf(run->prefix, sizeof run->prefix, "%s: ", run->label);
+        run->host.about = run->label;
+        cli_progress_frame(&run->host.progress, run->frame, index, cli_frames_count(frames));
+    }
+}
+
+/* The scene at its first frame. */
+static cli_exit open_scene(render_run *run)
+{
+    begin_frame(run, 0);
+    cli_exit result =
+        cli_sequence_open(&run->host, run->scene_path, &run->scene, run->frame, &run->sequence);
+    if (result == CLI_OK) {
+        result = cli_scene_describe(&run->host, run->sequence.snapshot, &run->description);
+    }
+    if (result == CLI_OK) {
+        result = cli_scene_camera(&run->host, run->description, run->options.camera, &run->camera);
+    }
+    if (result == CLI_OK) {
+        result =
+            cli_sequence_set_camera(&run->host, &run->camera, &run->options.orbit, &run->sequence);
+    }
+    return result;
 }
 
 /* Is there anything to see? */
@@ -69,9 +139,9 @@ static cli_exit check_content(render_run *run)
     const uint32_t without_light = 1u << AIR_TERM_EMISSION | 1u << AIR_TERM_BACKGROUND;
     const bool needs_light = run->lightmap == NULL && (run->params.terms & ~without_light) != 0;
     air_scene_info info;
-    air_snapshot_info(run->snapshot, &info);
-    if (needs_light &&
-        cli_scene_need_light(&run->host, run->scene_path, run->snapshot, "picture") != CLI_OK) {
+    air_snapshot_info(run->sequence.snapshot, &info);
+    if (needs_light && cli_scene_need_light(&run->host, run->scene_path, run->sequence.snapshot,
+                                            "picture") != CLI_OK) {
         return CLI_FAILED;
     }
     if (info.medium_count == 0) {
@@ -133,14 +203,10 @@ static cli_exit prepare(render_run *run)
     const double start_s = cli_clock();
     cli_exit result = cli_host_open(&run->host, &run->host_options);
     if (result == CLI_OK) {
-        result = cli_output_check(&run->host, &run->output.paths, film_extensions);
+        result = check_outputs(run);
     }
     if (result == CLI_OK) {
-        result = cli_scene_open(&run->host, run->scene_path, &run->scene, &run->snapshot,
-                                &run->description);
-    }
-    if (result == CLI_OK) {
-        result = cli_scene_camera(&run->host, run->description, run->options.camera, &run->camera);
+        result = open_scene(run);
     }
     if (result == CLI_OK) {
         result = cli_render_params(&run->host, &run->options, &run->camera, &run->params);
@@ -171,8 +237,8 @@ static bool on_pass_done(void *user, const air_film *film)
         return true;
     }
     run->partial_written = true;
-    run->partial_failed = cli_output_film(&run->host, &run->output, film, &run->attributes, true,
-                                          &run->written) != CLI_OK;
+    run->partial_failed = cli_output_film(&run->host, &run->frame_output, film, &run->attributes,
+                                          true, &run->written) != CLI_OK;
     if (run->partial_failed) {
         cli_say(&run->host.progress, AIR_MESSAGE_WARNING, "--write-partial: giving up after that");
     }
@@ -190,7 +256,7 @@ static cli_exit render(render_run *run)
         run->partial_s = start_s;
     }
     const air_status status =
-        air_render(run->host.context, run->snapshot, &run->params, &run->film);
+        air_render(run->host.context, run->sequence.snapshot, &run->params, &run->film);
     run->render_s = cli_clock() - start_s;
     if (status != AIR_OK && status != AIR_ERROR_INTERRUPTED) {
         return cli_host_exit(&run->host, status, run->scene_path);
@@ -202,7 +268,7 @@ static cli_exit render(render_run *run)
     }
     if (begin == end) {
         cli_say(&run->host.progress, AIR_MESSAGE_WARNING,
-                "interrupted before the first pass: nothing was written");
+                "%sinterrupted before the first pass: nothing was written", run->prefix);
         return CLI_INTERRUPTED;
     }
     return CLI_OK;
@@ -227,118 +293,112 @@ static cli_exit write_outputs(render_run *run)
     cli_attribute_add(attributes, "airlight:samples", true, "%u:%u", begin, end);
     cli_exit result = cli_host_exit(&run->host, status, "setting attributes");
     if (result == CLI_OK) {
-        result =
-            cli_output_film(&run->host, &run->output, run->film, attributes, false, &run->written);
+        result = cli_output_film(&run->host, &run->frame_output, run->film, attributes, false,
+                                 &run->written);
     }
     /* The partial files stay if the final ones could not be written: they are all there is. */
     if (result == CLI_OK && run->partial_written) {
-        cli_output_remove_partial(&run->output);
+        cli_output_remove_partial(&run->frame_output);
     }
     run->write_s = cli_clock() - start_s;
     return result;
 }
 
-/* ---- statistics ---- */
-
-typedef struct render_statistics {
-    uint32_t begin, end;
-    size_t width, height; /* of the crop */
-    double samples, samples_per_second;
-    double peak_bytes;
-} render_statistics;
-
-static render_statistics measure(const render_run *run)
+/* What was done, on stderr and stdout. */
+static void report(render_run *run)
 {
-    render_statistics statistics = {
-        .width = run->params.crop[2] - run->params.crop[0],
-        .height = run->params.crop[3] - run->params.crop[1],
+    const cli_rendered rendered = {
+        .scene_path = run->scene_path,
+        .outputs = &run->names.list,
+        .frame = run->frame,
+        .prefix = run->prefix,
+        .params = &run->params,
+        .film = run->film,
+        .written = run->written,
+        .interrupted = run->interrupted,
+        .load_s = run->load_s,
+        .render_s = run->render_s,
+        .write_s = run->write_s,
     };
-    struct rusage usage;
-    air_film_samples(run->film, &statistics.begin, &statistics.end);
-    statistics.samples = (double)(statistics.end - statistics.begin) * (double)statistics.width *
-                         (double)statistics.height;
-    statistics.samples_per_second = run->render_s > 0.0 ? statistics.samples / run->render_s : 0.0;
-    getrusage(RUSAGE_SELF, &usage);
-    statistics.peak_bytes = (double)usage.ru_maxrss * 1024.0; /* Linux counts in KiB */
-    return statistics;
-}
-
-static void report(render_run *run, const render_statistics *statistics)
-{
-    cli_progress *const progress = &run->host.progress;
-    cli_report(progress,
-               "%s%zu x %zu pixels, %u samples each, in %.2f s (%.3g samples per second), peak "
-               "memory %.0f MB",
-               run->interrupted ? "interrupted: " : "", statistics->width, statistics->height,
-               statistics->end - statistics->begin, run->render_s, statistics->samples_per_second,
-               statistics->peak_bytes * 1e-6);
-    for (size_t i = 0; i < run->output.paths.count; i++) {
-        cli_report(progress, "wrote %s%s (exposure %+.2f EV)", run->output.paths.items[i],
-                   run->interrupted ? ", partial" : "", run->written.exposure_ev);
-    }
-    if (run->options.stats) {
-        const double *const mean = run->written.mean;
-        cli_report(progress, "load %.2f s, render %.2f s, write %.2f s; %zu threads", run->load_s,
-                   run->render_s, run->write_s, air_context_thread_count(run->host.context));
-        cli_report(progress, "mean R %.6g, G %.6g, B %.6g; samples %u:%u; seed %llu", mean[0],
-                   mean[1], mean[2], statistics->begin, statistics->end,
-                   (unsigned long long)run->params.seed);
-    }
-}
-
-static void print_json(const render_run *run, const render_statistics *statistics)
-{
-    json_t *const outputs = json_array();
-    for (size_t i = 0; i < run->output.paths.count; i++) {
-        json_array_append_new(outputs, json_string(run->output.paths.items[i]));
-    }
-    const double *const mean = run->written.mean;
-    /* NaN is no JSON: a mean that is not finite becomes null. */
-    json_t *const means = json_array();
-    for (size_t c = 0; c < 3; c++) {
-        json_array_append_new(means, isfinite(mean[c]) ? json_real(mean[c]) : json_null());
-    }
-    json_t *const object = json_pack(
-        "{s:s, s:o, s:I, s:I, s:[I, I, I, I], s:[I, I], s:{s:f, s:f, s:f}, s:f, s:f, s:f, s:o, "
-        "s:I, s:I, s:b}",
-        "scene", run->scene_path, "outputs", outputs, "width", (json_int_t)run->params.width,
-        "height", (json_int_t)run->params.height, "crop", (json_int_t)run->params.crop[0],
-        (json_int_t)run->params.crop[1], (json_int_t)run->params.crop[2],
-        (json_int_t)run->params.crop[3], "samples", (json_int_t)statistics->begin,
-        (json_int_t)statistics->end, "seconds", "load", run->load_s, "render", run->render_s,
-        "write", run->write_s, "samples_per_second", statistics->samples_per_second,
-        "peak_memory_bytes", statistics->peak_bytes, "exposure_ev", run->written.exposure_ev,
-        "mean", means, "threads", (json_int_t)air_context_thread_count(run->host.context),
-        "max_depth", (json_int_t)run->params.max_depth, "interrupted", (int)run->interrupted);
-    if (object != NULL) {
-        json_dumpf(object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-        putchar('\n');
-        json_decref(object);
+    cli_rendered_report(&run->host, &rendered, run->options.stats);
+    if (run->options.json) {
+        cli_rendered_json(&run->host, &rendered);
     }
 }
 
 /* ---- the command ---- */
 
-static cli_exit run_render(render_run *run)
+/* The scene, the files and the attributes of the frame. */
+static cli_exit prepare_frame(render_run *run)
 {
-    cli_exit result = prepare(run);
-    if (result != CLI_OK) {
-        return result;
+    const double start_s = cli_clock();
+    cli_exit result = cli_sequence_move(&run->host, &run->sequence, run->frame);
+    if (result == CLI_OK) {
+        result = cli_frame_names_set(&run->host, &run->output.paths, run->frame, &run->names);
     }
-    make_attributes(run);
-    result = render(run);
+    run->params.camera = cli_sequence_camera(&run->sequence);
+    run->frame_output = run->output;
+    run->frame_output.paths = run->names.list;
+    run->host.finishing = run->interrupted = run->partial_failed = run->partial_written = false;
+    run->written = (cli_written){0};
+    if (run->frame != AIR_FRAME_NONE) {
+        cli_attribute_add(&run->attributes, "airlight:frame-number", false, "%lld",
+                          (long long)run->frame);
+    }
+    run->load_s += cli_clock() - start_s;
+    return result;
+}
+
+static cli_exit render_frame(render_run *run)
+{
+    cli_exit result = prepare_frame(run);
+    if (result == CLI_OK) {
+        result = render(run);
+    }
     if (result == CLI_OK) {
         result = write_outputs(run);
     }
     if (result != CLI_OK) {
         return result;
     }
-    const render_statistics statistics = measure(run);
-    report(run, &statistics);
-    if (run->options.json) {
-        print_json(run, &statistics);
-    }
+    report(run);
     return run->interrupted ? CLI_INTERRUPTED : CLI_OK;
+}
+
+/* One frame after the other, each as if it were the only one: with the same samples, and by the
+ * same seed. What is to live from frame to frame lives in the run; run->sequence.dirty says what
+ * has changed since the frame before. */
+static cli_exit render_frames(render_run *run)
+{
+    const size_t attribute_count = run->attributes.count;
+    const size_t count = cli_frames_count(&run->options.sequence);
+    cli_exit result = CLI_OK;
+    for (size_t i = 0; i < count && result == CLI_OK; i++) {
+        if (i > 0 && cli_interrupt_pending()) {
+            cli_say(&run->host.progress, AIR_MESSAGE_WARNING,
+                    "interrupted after frame %lld: %zu of %zu are done", (long long)run->frame, i,
+                    count);
+            return CLI_INTERRUPTED;
+        }
+        begin_frame(run, i);
+        result = render_frame(run);
+        run->sequence.dirty = 0;
+        run->load_s = 0.0;
+        air_film_destroy(run->film);
+        run->film = NULL;
+        cli_attributes_cut(&run->attributes, attribute_count);
+    }
+    return result;
+}
+
+static cli_exit run_render(render_run *run)
+{
+    const cli_exit result = prepare(run);
+    if (result != CLI_OK) {
+        return result;
+    }
+    make_attributes(run);
+    return render_frames(run);
 }
 
 static cli_exit parse(render_run *run, int argc, char **argv)
@@ -347,7 +407,7 @@ static cli_exit parse(render_run *run, int argc, char **argv)
     cli_option_group groups[GROUP_COUNT];
     groups[0] = cli_output_group(&run->output);
     cli_render_groups(&run->options, groups + 1);
-    groups[GROUP_COUNT - 2] = cli_scene_group(&run->scene);
+    groups[GROUP_COUNT - 2] = cli_scene_group_of_frames(&run->scene);
     groups[GROUP_COUNT - 1] = cli_host_group(&run->host_options);
     run->parsed = cli_parse(&render_usage, groups, GROUP_COUNT, &argc, argv);
     if (run->parsed != CLI_PARSED) {
@@ -369,11 +429,11 @@ cli_exit cli_render(int argc, char **argv)
     if (result == CLI_OK && run.parsed == CLI_PARSED) {
         result = run_render(&run);
     }
-    air_film_destroy(run.film);
+    cli_frame_names_finish(&run.names);
     air_lightmap_destroy(run.lightmap);
     cli_attributes_finish(&run.attributes);
     json_decref(run.description);
-    air_snapshot_release(run.snapshot);
+    cli_sequence_close(&run.sequence);
     cli_host_close(&run.host);
     return result;
 }

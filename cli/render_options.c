@@ -209,6 +209,25 @@ static const cli_option frame_options[] = {
              "has the size of the crop; attributes tell its place."},
 };
 
+static const cli_option sequence_options[] = {
+    {.name = "frames",
+     .kind = CLI_TEXT,
+     .value = "N|A-B|A-B/STEP",
+     .offset = offsetof(cli_render_options, frames),
+     .help = "Render these frames, each to a file of its own: in the names of outputs and of grids "
+             "of media a run of # stands for the number, with zeros before it. All have the same "
+             "seed; --time is for each."},
+    {.name = "orbit",
+     .kind = CLI_REAL,
+     .value = "DEGREES",
+     .min = -360.0,
+     .max = 360.0,
+     .offset = offsetof(cli_render_options, orbit),
+     .help = "Turn the camera by so much a frame, counterclockwise from above, about the upright "
+             "axis through the middle of the media, or of the scene where no medium has bounds. "
+             "Frame 0 is seen as the file has it."},
+};
+
 static const cli_option report_options[] = {
     {.name = "write-partial",
      .kind = CLI_REAL,
@@ -224,7 +243,8 @@ static const cli_option report_options[] = {
     {.name = "json",
      .kind = CLI_FLAG,
      .offset = offsetof(cli_render_options, json),
-     .help = "Print the same as a JSON object on stdout."},
+     .help = "Print the same as a JSON object on stdout; with --frames one a line, as soon as a "
+             "frame is done."},
 };
 
 void cli_render_groups(cli_render_options *options, cli_option_group out_groups[CLI_RENDER_GROUPS])
@@ -236,7 +256,10 @@ void cli_render_groups(cli_render_options *options, cli_option_group out_groups[
                            sizeof sampling_options / sizeof sampling_options[0], options};
     out_groups[2] = (cli_option_group){"Light", light_options,
                                        sizeof light_options / sizeof light_options[0], options};
-    out_groups[3] = (cli_option_group){"Reports", report_options,
+    out_groups[3] =
+        (cli_option_group){"Sequence", sequence_options,
+                           sizeof sequence_options / sizeof sequence_options[0], options};
+    out_groups[4] = (cli_option_group){"Reports", report_options,
                                        sizeof report_options / sizeof report_options[0], options};
 }
 
@@ -246,7 +269,7 @@ static cli_exit usage_error(const char *text)
     return CLI_USAGE;
 }
 
-cli_exit cli_render_check(const cli_render_options *options)
+cli_exit cli_render_check(cli_render_options *options)
 {
     const uint64_t *const samples = options->samples.value;
     if (options->samples.set && options->spp.set) {
@@ -262,7 +285,10 @@ cli_exit cli_render_check(const cli_render_options *options)
         return usage_error(
             "--variance and --time: expected one of the two, a variance needs all its samples");
     }
-    return CLI_OK;
+    if (options->orbit.set && options->frames == NULL) {
+        return usage_error("--orbit: expected --frames with it, to turn from frame to frame");
+    }
+    return cli_frames_read(options->frames, &options->sequence);
 }
 
 /* ---- samples ---- */

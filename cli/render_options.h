@@ -4,6 +4,7 @@
 
 #include <airlight/render.h>
 
+#include "frames.h"
 #include "host.h"
 #include "scene_options.h"
 
@@ -18,14 +19,17 @@ typedef struct cli_render_options {
     cli_count width, height;
     cli_counts crop;
     bool layers, guides, json, stats;
+    const char *frames;
+    cli_real orbit;
+    cli_frames sequence; /* what frames says, once cli_render_check has read it */
 } cli_render_options;
 
-enum { CLI_RENDER_GROUPS = 4 };
+enum { CLI_RENDER_GROUPS = 5 };
 
 void cli_render_groups(cli_render_options *options, cli_option_group out_groups[CLI_RENDER_GROUPS]);
 
 /* What can be said against the options before a scene is loaded; prints it. */
-cli_exit cli_render_check(const cli_render_options *options);
+cli_exit cli_render_check(cli_render_options *options);
 
 /* Fills *params (the callbacks stay at their defaults) for this camera. Prints what does not fit:
  * exit code 2. */

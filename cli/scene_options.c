@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of a single frame, last in scene_options. */
+enum { FRAME_OPTIONS = 1 };
+
 static const char *const unit_names[] = {"auto", "radiometric", "photometric", NULL};
 
 static const cli_option scene_options[] = {
@@ -47,6 +50,12 @@ static const cli_option scene_options[] = {
      .max = 1e6,
      .offset = offsetof(cli_scene_options, scene_index),
      .help = "Which scene of a glTF file that holds several; default: the one the file names."},
+    {.name = "frame",
+     .kind = CLI_COUNT,
+     .value = "N",
+     .max = AIR_FRAME_MAX,
+     .offset = offsetof(cli_scene_options, frame),
+     .help = "Frame of grids that are a file each: # in their names stands for its number."},
 };
 
 cli_option_group cli_scene_group(cli_scene_options *options)
@@ -55,7 +64,13 @@ cli_option_group cli_scene_group(cli_scene_options *options)
                               sizeof scene_options / sizeof scene_options[0], options};
 }
 
-static cli_exit describe(cli_host *host, const air_snapshot *snapshot, json_t **out_description)
+cli_option_group cli_scene_group_of_frames(cli_scene_options *options)
+{
+    const size_t count = sizeof scene_options / sizeof scene_options[0];
+    return (cli_option_group){"Scene", scene_options, count - FRAME_OPTIONS, options};
+}
+
+cli_exit cli_scene_describe(cli_host *host, const air_snapshot *snapshot, json_t **out_description)
 {
     size_t size = 0;
     json_error_t error;
@@ -78,12 +93,12 @@ static cli_exit describe(cli_host *host, const air_snapshot *snapshot, json_t **
     return CLI_OK;
 }
 
-static cli_exit load(cli_host *host, const char *path, const cli_scene_options *options,
-                     air_snapshot **out_snapshot)
+cli_exit cli_scene_load(cli_host *host, const char *path, const cli_scene_options *options,
+                        int64_t frame, air_scene **out_scene)
 {
     air_load_params params;
-    air_scene *scene = NULL;
     air_load_params_default(&params);
+    params.frame = frame;
     params.with = options->with.items;
     params.with_count = options->with.count;
     params.media = options->media.items;
@@ -94,21 +109,22 @@ static cli_exit load(cli_host *host, const char *path, const cli_scene_options *
     if (options->scene_index.set) {
         params.scene_index = (int32_t)options->scene_index.value;
     }
-    air_status status = air_scene_load(host->context, path, &params, &scene);
-    if (status == AIR_OK) {
-        status = air_scene_commit(scene, out_snapshot, NULL);
-    }
-    air_scene_destroy(scene);
-    return cli_host_exit(host, status, path);
+    return cli_host_exit(host, air_scene_load(host->context, path, &params, out_scene), path);
 }
 
 cli_exit cli_scene_open(cli_host *host, const char *path, const cli_scene_options *options,
                         air_snapshot **out_snapshot, json_t **out_description)
 {
+    air_scene *scene = NULL;
     air_snapshot *snapshot = NULL;
-    cli_exit result = load(host, path, options, &snapshot);
+    const int64_t frame = options->frame.set ? (int64_t)options->frame.value : AIR_FRAME_NONE;
+    cli_exit result = cli_scene_load(host, path, options, frame, &scene);
     if (result == CLI_OK) {
-        result = describe(host, snapshot, out_description);
+        result = cli_host_exit(host, air_scene_commit(scene, &snapshot, NULL), path);
+    }
+    air_scene_destroy(scene);
+    if (result == CLI_OK) {
+        result = cli_scene_describe(host, snapshot, out_description);
     }
     if (result != CLI_OK) {
         air_snapshot_release(snapshot);

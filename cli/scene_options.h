@@ -10,7 +10,7 @@
 typedef struct cli_scene_options {
     cli_list with, media;
     const char *environment;
-    cli_count light_units, emissive_units, scene_index;
+    cli_count light_units, emissive_units, scene_index, frame;
 } cli_scene_options;
 
 /* A camera as the description of a scene lists it. The strings belong to that description. */
@@ -21,8 +21,16 @@ typedef struct cli_camera {
 } cli_camera;
 
 cli_option_group cli_scene_group(cli_scene_options *options);
+/* Without --frame, for a command that has frames of its own. */
+cli_option_group cli_scene_group_of_frames(cli_scene_options *options);
 
-/* Loads and freezes a scene, and parses its description (air_snapshot_describe). On failure the
+/* Loads a scene at a frame; options->frame is not looked at. */
+cli_exit cli_scene_load(cli_host *host, const char *path, const cli_scene_options *options,
+                        int64_t frame, air_scene **out_scene);
+/* Parses what air_snapshot_describe says. */
+cli_exit cli_scene_describe(cli_host *host, const air_snapshot *snapshot, json_t **out_description);
+
+/* Both, of a scene that is then frozen, at options->frame. On failure the
  * outputs stay as they are, and what is wrong has been printed. */
 cli_exit cli_scene_open(cli_host *host, const char *path, const cli_scene_options *options,
                         air_snapshot **out_snapshot, json_t **out_description);
