@@ -30,6 +30,7 @@
 #include "airlight/scene.h"
 #include "airlight/shadow.h"
 #include "airlight/status.h"
+#include "airlight/temporal.h"
 #include "airlight/version.h"
 
 #endif

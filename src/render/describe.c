@@ -214,8 +214,9 @@ static json_t *describe_medium(const air_medium *medium)
                         json_string(medium->combine == AIR_COMBINE_REPLACE ? "replace" : "add"));
     set_if(object, medium->combine == AIR_COMBINE_REPLACE, "priority",
            json_integer(medium->priority));
-    set_if(object, medium->boundary != AIR_BOUNDARY_UNBOUNDED, "bounds",
-           bounds(medium->bounds_min, medium->bounds_max));
+    const bool bounded = medium->boundary != AIR_BOUNDARY_UNBOUNDED ||
+                         isfinite(medium->bounds_min[0]); /* by its grid */
+    set_if(object, bounded, "bounds", bounds(medium->bounds_min, medium->bounds_max));
     return object;
 }
 
