@@ -332,6 +332,8 @@ static void report(render_run *run)
 static cli_exit prepare_frame(render_run *run)
 {
     const double start_s = cli_clock();
+    run->host.finishing = run->interrupted = run->partial_failed = run->partial_written = false;
+    run->written = (cli_written){0};
     cli_exit result = cli_sequence_move(&run->host, &run->sequence, run->frame);
     if (result == CLI_OK) {
         result = cli_frame_names_set(&run->host, &run->output.paths, run->frame, &run->names);
@@ -339,8 +341,6 @@ static cli_exit prepare_frame(render_run *run)
     run->params.camera = cli_sequence_camera(&run->sequence);
     run->frame_output = run->output;
     run->frame_output.paths = run->names.list;
-    run->host.finishing = run->interrupted = run->partial_failed = run->partial_written = false;
-    run->written = (cli_written){0};
     if (run->frame != AIR_FRAME_NONE) {
         cli_attribute_add(&run->attributes, "airlight:frame-number", false, "%lld",
                           (long long)run->frame);
