@@ -34,10 +34,11 @@ typedef struct air_seen_box {
 AIR_API void air_seen_moments(const air_seen_box *box, int bands, const float *moments,
                               const double *factors, size_t begin, size_t end, float *out);
 
-/* Light that travels along dir, as its fluence in each cell is fluence (4 numbers) times power, of
- * directions that spread about dir with mean cosine lobe. */
+/* Light whose fluence in each cell is fluence (4 numbers) times power, of directions that spread
+ * with mean cosine lobe about one direction of travel: dir, or (local) away from a position. */
 typedef struct air_seen_beam {
-    float dir[3];
+    bool local;
+    float dir[3]; /* unit; or the position */
     float power[3];
     float lobe;
     const float *fluence;
@@ -47,6 +48,10 @@ typedef struct air_seen_beam {
  * mean cosines are multiplied. [Elek2014, eq. 8] */
 AIR_API void air_seen_beams(const air_seen_box *box, const air_seen_beam *beams, size_t count,
                             air_phase phase, size_t begin, size_t end, float *out);
+
+/* Adds the moments of beams' radiance (ordinates_dom.h; bands of them) to out, likewise. */
+AIR_API void air_beam_moments(const air_seen_box *box, const air_seen_beam *beams, size_t count,
+                              int bands, size_t begin, size_t end, float *out);
 
 /* ---- volumes ---- */
 

@@ -4,7 +4,6 @@
 #include "bake/progress.h"
 #include "core/harmonics.h"
 #include "core/phase.h"
-#include "core/quadrature.h"
 
 enum { COEFFICIENTS = AIR_CACHE_COEFFICIENTS, BANDS = AIR_CACHE_BANDS };
 
@@ -18,31 +17,6 @@ struct air_light_cache {
     medium_cache *media;
     size_t count;
 };
-
-/* Integrals of p P_l over the sphere: what scattering leaves of band l. Sharp lobes want nodes near
- * the peak: cos = 1 - 2 s^4 puts them there, and 64 of them integrate g = 0.97 to 1e-6. */
-static void phase_moments(const air_phase *phase, float out[BANDS])
-{
-    enum { NODES = 64 };
-    double nodes[NODES], weights[NODES], sums[BANDS] = {0.0};
-    air_gauss_legendre(NODES, nodes, weights);
-    for (int side = 0; side < 2; side++) {
-        for (int i = 0; i < NODES; i++) {
-            const double s = 0.5 * (nodes[i] + 1.0), from_peak = s * s * s * s;
-            const double mu = side == 0 ? 1.0 - from_peak : from_peak - 1.0;
-            const double weight = 0.5 * weights[i] * 4.0 * s * s * s;
-            const double p = 2.0 * AIR_PI * (double)phase_eval(*phase, (float)mu);
-            double legendre[BANDS];
-            air_legendre(BANDS, mu, legendre);
-            for (int l = 0; l < BANDS; l++) {
-                sums[l] += weight * p * legendre[l];
-            }
-        }
-    }
-    for (int l = 0; l < BANDS; l++) {
-        out[l] = (float)(sums[l] / sums[0]);
-    }
-}
 
 /* ---- filling ---- */
 
@@ -112,7 +86,9 @@ static air_status place_all(air_light_cache *self, const air_snapshot *snapshot,
     for (size_t i = 0; i < snapshot->media.count && status == AIR_OK; i++) {
         const air_medium *medium = &snapshot->media.media[i];
         medium_cache *m = &self->media[self->count++];
-        phase_moments(&medium->phase, m->moments);
+        for (int l = 0; l < BANDS; l++) {
+            m->moments[l] = (float)phase_legendre(medium->phase, l);
+        }
         status = air_cache_grids_place(self->context, snapshot, medium, resolution, &m->grids);
         for (size_t k = 0; k < m->grids.count && status == AIR_OK; k++) {
             status = air_cache_sight_make(self->context, snapshot, &m->grids.grids[k]);

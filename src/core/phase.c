@@ -103,3 +103,30 @@ const char *phase_mixture_fault(const air_phase_mixture *mixture, char buffer[64
     }
     return sum > 0.0 ? NULL : "the weights of the lobes sum to 0";
 }
+
+static double lobe_legendre(air_phase_kind kind, float g, int l)
+{
+    switch (kind) {
+    case AIR_PHASE_HG:
+        return pow((double)g, l);
+    case AIR_PHASE_RAYLEIGH: /* 1 + P_2 / 2, and the integral of P_2^2 is 4 pi / 5 */
+        return l == 0 ? 1.0 : l == 2 ? 0.1 : 0.0;
+    case AIR_PHASE_ISOTROPIC:
+    case AIR_PHASE_MIXTURE:
+        break;
+    }
+    return l == 0 ? 1.0 : 0.0;
+}
+
+double phase_legendre(air_phase phase, int l)
+{
+    double sum = 0.0;
+    if (phase.kind != AIR_PHASE_MIXTURE) {
+        return lobe_legendre(phase.kind, phase.g, l);
+    }
+    for (size_t i = 0; i < phase.mixture->lobe_count; i++) {
+        const air_phase_lobe *const lobe = &phase.mixture->lobes[i];
+        sum += (double)lobe->weight * lobe_legendre(lobe->kind, lobe->g, l);
+    }
+    return sum;
+}

@@ -36,6 +36,9 @@ air_phase phase_prepare(air_phase phase, air_phase_mixture *own);
 /* The mean cosine: g, 0 where there is none, of mixtures the lobes' by weight (of any sum). */
 float phase_mean_cosine(air_phase phase);
 
+/* The integral of the phase function times P_l, l >= 0: what scattering leaves of band l. */
+double phase_legendre(air_phase phase, int l);
+
 /* What is wrong with a mixture (may be NULL), as in "lobes[2].g must be between -1 and 1", or NULL.
  */
 const char *phase_mixture_fault(const air_phase_mixture *mixture, char buffer[64]);

@@ -86,8 +86,23 @@ static void add_lobe(const air_phase_lobe *from, float lobe, float cosine[RUN], 
     }
 }
 
-static void add_beam(const air_seen_beam *beam, air_phase phase, float v[3][RUN], size_t count,
-                     size_t cell, float *out)
+/* Directions of travel of a beam in `count` cells of a row. */
+static void beam_directions(const air_seen_box *box, const air_seen_beam *beam, size_t i, size_t j,
+                            size_t k, size_t count, float out[3][RUN])
+{
+    air_seen_box from = *box;
+    from.distant = !beam->local;
+    memcpy(from.observer, beam->dir, sizeof from.observer);
+    view_directions(&from, i, j, k, count, out);
+    for (int axis = 0; axis < 3 && beam->local; axis++) { /* away from it */
+        for (size_t n = 0; n < count; n++) {
+            out[axis][n] = -out[axis][n];
+        }
+    }
+}
+
+static void add_beam(const air_seen_beam *beam, air_phase phase, float dir[3][RUN], float v[3][RUN],
+                     size_t count, size_t cell, float *out)
 {
     const air_phase_lobe only = {phase.kind, phase.g, 1.0f};
     const bool mixture = phase.kind == AIR_PHASE_MIXTURE;
@@ -95,7 +110,7 @@ static void add_beam(const air_seen_beam *beam, air_phase phase, float v[3][RUN]
     const four power = {beam->power[0], beam->power[1], beam->power[2], 0.0f};
     float cosine[RUN], value[RUN];
     for (size_t n = 0; n < count; n++) {
-        cosine[n] = beam->dir[0] * v[0][n] + beam->dir[1] * v[1][n] + beam->dir[2] * v[2][n];
+        cosine[n] = dir[0][n] * v[0][n] + dir[1][n] * v[1][n] + dir[2][n] * v[2][n];
         value[n] = 0.0f;
     }
     for (size_t i = 0; i < (mixture ? phase.mixture->lobe_count : 1); i++) {
@@ -111,7 +126,7 @@ static void add_beam(const air_seen_beam *beam, air_phase phase, float v[3][RUN]
 void air_seen_beams(const air_seen_box *box, const air_seen_beam *beams, size_t count,
                     air_phase phase, size_t begin, size_t end, float *out)
 {
-    float v[3][RUN];
+    float v[3][RUN], dir[3][RUN];
     for (size_t k = begin; k < end; k++) {
         for (size_t j = 0; j < box->size[1]; j++) {
             for (size_t i = 0; i < box->size[0]; i += RUN) {
@@ -119,7 +134,59 @@ void air_seen_beams(const air_seen_box *box, const air_seen_beam *beams, size_t 
                 const size_t cell = (k * box->size[1] + j) * box->size[0] + i;
                 view_directions(box, i, j, k, run, v);
                 for (size_t b = 0; b < count; b++) {
-                    add_beam(&beams[b], phase, v, run, cell, out);
+                    beam_directions(box, &beams[b], i, j, k, run, dir);
+                    add_beam(&beams[b], phase, dir, v, run, cell, out);
+                }
+            }
+        }
+    }
+}
+
+/* Of one beam in one cell: y_lm of its direction, times lobe^l. */
+static void beam_harmonics(const air_seen_beam *beam, int bands, const float dir[3], float *out)
+{
+    const double unit[3] = {(double)dir[0], (double)dir[1], (double)dir[2]};
+    double y[AIR_SH_COUNT_MAX], power = 1.0;
+    air_sh_evaluate(bands, unit, y);
+    for (int l = 0, m = 0; l < bands; l++) {
+        for (; m < (l + 1) * (l + 1); m++) {
+            out[m] = (float)(power * y[m]);
+        }
+        power *= (double)beam->lobe;
+    }
+}
+
+static void add_moments(const air_seen_beam *beam, int bands, float dir[3][RUN], size_t count,
+                        size_t cell, float *out)
+{
+    const size_t moments = (size_t)(bands * bands);
+    const four power = {beam->power[0], beam->power[1], beam->power[2], 0.0f};
+    float y[AIR_SH_COUNT_MAX];
+    for (size_t n = 0; n < count; n++) {
+        const float at[3] = {dir[0][n], dir[1][n], dir[2][n]};
+        float *const to = out + (cell + n) * moments * CHANNELS;
+        const four fluence = power * four_load(beam->fluence + (cell + n) * CHANNELS);
+        if (n == 0 || beam->local) {
+            beam_harmonics(beam, bands, at, y);
+        }
+        for (size_t m = 0; m < moments; m++) {
+            four_store(to + m * CHANNELS, four_load(to + m * CHANNELS) + y[m] * fluence);
+        }
+    }
+}
+
+void air_beam_moments(const air_seen_box *box, const air_seen_beam *beams, size_t count, int bands,
+                      size_t begin, size_t end, float *out)
+{
+    float dir[3][RUN];
+    for (size_t k = begin; k < end; k++) {
+        for (size_t j = 0; j < box->size[1]; j++) {
+            for (size_t i = 0; i < box->size[0]; i += RUN) {
+                const size_t run = box->size[0] - i < RUN ? box->size[0] - i : RUN;
+                const size_t cell = (k * box->size[1] + j) * box->size[0] + i;
+                for (size_t b = 0; b < count; b++) {
+                    beam_directions(box, &beams[b], i, j, k, run, dir);
+                    add_moments(&beams[b], bands, dir, run, cell, out);
                 }
             }
         }
