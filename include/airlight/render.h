@@ -35,7 +35,8 @@ typedef enum air_method {
                                   constant density */
     AIR_METHOD_AREALIGHT = 2,  /* S0 and M1 of lamps: flat polygons, and emissive meshes without
                                   texture, where all media are of constant density */
-    AIR_METHOD_COUNT = 3
+    AIR_METHOD_ORDINATES = 3,  /* M1 and M2 where all media have an end: light in a grid */
+    AIR_METHOD_COUNT = 4
 } air_method;
 AIR_API const char *air_method_name(air_method method);
 
@@ -47,7 +48,8 @@ typedef struct air_owner_table air_owner_table;
  * back to path with one warning that says why. auto: collimated:exact where it applies, else path.
  * Modes of collimated: exact (the default), rm, ds, wvds, rees, reds, me, me6, me-ideal, me6-ideal
  * (docs/collimated.md). Modes of arealight: edge (the default), mix, ltsd, volume-ris
- * (docs/arealight.md). */
+ * (docs/arealight.md). Modes of ordinates: dom (the default), cm, six, literal, shdom
+ * (docs/ordinates.md). */
 AIR_API air_status air_owner_table_create(air_context *context, const air_snapshot *snapshot,
                                           const char *methods, air_owner_table **out_table);
 AIR_API void air_owner_table_destroy(air_owner_table *table);
@@ -110,6 +112,24 @@ typedef struct air_path_vertex {
 
 struct air_film;
 
+/* Of method ordinates (docs/ordinates.md). */
+typedef struct air_ordinates_settings {
+    uint32_t cells;      /* along the longest side of the media's bounds, [2, 256]; default 32 */
+    uint32_t directions; /* for each environment, [1, 4096]; default 64 */
+    uint32_t patches; /* of each lamp with an area, and of surfaces that each light shines on, [1,
+                         4096]; default 64 */
+    int bands, polar, azimuths; /* of dom, as in air_dom_params; default 5, 6, 12 */
+    uint32_t sweeps;            /* of dom and shdom at most, >= 1; default 64 */
+    double change;              /* of a sweep, below which these end, >= 0; default 1e-3 */
+    uint32_t steps;             /* of literal, cm and six at most, [1, 4096]; default 32 */
+    uint32_t march;             /* looks per cell along camera rays, [1, 64]; default 2 */
+    bool prefilter;  /* directions stand for parts of the sky, not for points; default true */
+    bool importance; /* directions by what the camera sees of them; default true */
+    bool residuum;   /* literal, cm, six: light that has lost its direction goes on in one grid;
+                        default true */
+    bool bilateral;  /* light is taken from cells of like density; default false */
+} air_ordinates_settings;
+
 typedef struct air_render_params {
     air_handle camera;                 /* AIR_NONE: the first one */
     size_t width, height;              /* 1..65535 */
@@ -132,6 +152,7 @@ typedef struct air_render_params {
     uint32_t shadow_candidates;       /* [1, AIR_AREA_MAX_DRAWS]; default 8 */
     const air_area_table *area_table; /* lobes of modes ltsd or mix, whichever it is for; borrowed;
                                          NULL: the library's */
+    air_ordinates_settings ordinates;
     /* The light on surfaces that the camera sees (S0 and S+), as it was baked, instead of tracing
      * it: what a surface sends is its albedo towards the camera times irradiance / pi. S0 is the
      * layer direct, S+ the layers indirect and media, of as many bounces as were baked. With

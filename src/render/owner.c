@@ -14,8 +14,8 @@ const char *air_term_name(air_term term)
 }
 
 /* By air_method; path, which does everything else, has no kind. */
-static const air_method_kind *const kinds[AIR_METHOD_COUNT] = {NULL, &air_collimated_method,
-                                                               &air_area_method};
+static const air_method_kind *const kinds[AIR_METHOD_COUNT] = {
+    NULL, &air_collimated_method, &air_area_method, &air_ordinates_method};
 
 const char *air_method_name(air_method method)
 {
@@ -151,10 +151,12 @@ static void assign(air_owner_table *table, size_t light, method_choice choice)
     uint8_t *rows = table->methods + light * (media + 1) * AIR_TERM_COUNT;
     memset(rows, AIR_METHOD_PATH, (media + 1) * AIR_TERM_COUNT);
     table->modes[light] = choice.mode;
+    const uint32_t terms = kinds[choice.method] != NULL ? kinds[choice.method]->terms : 0;
     /* Also where a term does not occur (S0 in a medium): path then sees that nothing is left. */
-    for (size_t m = 0; m <= media; m++) {
-        rows[m * AIR_TERM_COUNT + AIR_TERM_S0] = (uint8_t)choice.method;
-        rows[m * AIR_TERM_COUNT + AIR_TERM_M1] = (uint8_t)choice.method;
+    for (size_t i = 0; i < (media + 1) * AIR_TERM_COUNT; i++) {
+        if ((terms >> i % AIR_TERM_COUNT & 1u) != 0) {
+            rows[i] = (uint8_t)choice.method;
+        }
     }
 }
 

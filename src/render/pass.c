@@ -10,6 +10,7 @@ typedef struct pass_worker {
     air_path_scratch *scratch;
     air_collimated_scratch *collimated; /* NULL where that method owns nothing */
     air_area_scratch *arealight;        /* likewise */
+    air_ordinates_scratch *ordinates;   /* likewise */
     double *block;                      /* sums of the block under way */
     air_block_stack stack;
     /* Of the replicate under way: the sums of two ratios; all that is plain is in the first. */
@@ -183,6 +184,9 @@ static void trace_block(const render_pass *pass, pass_worker *worker, air_path_l
     if (picture->arealight != NULL) {
         air_with_arealight_add(picture->arealight, worker->arealight, lanes, ratios, count);
     }
+    if (picture->ordinates != NULL) {
+        air_with_ordinates_add(picture->ordinates, worker->ordinates, lanes, count);
+    }
     if (picture->lightmap != NULL) {
         air_with_lightmap_add(picture->lightmap, worker->scratch, lanes, count);
     }
@@ -301,6 +305,7 @@ static void free_workers(render_pass *pass, size_t count)
         air_free(context, pass->workers[i].scratch);
         air_collimated_scratch_destroy(pass->picture->collimated, pass->workers[i].collimated);
         air_area_scratch_destroy(pass->picture->arealight, pass->workers[i].arealight);
+        air_ordinates_scratch_destroy(pass->picture->ordinates, pass->workers[i].ordinates);
         air_free(context, pass->workers[i].block);
         air_free(context, pass->workers[i].stack.sums);
     }
@@ -331,6 +336,13 @@ static air_status make_workers(render_pass *pass, size_t count)
         if (complete && pass->picture->arealight != NULL) {
             const air_status status =
                 air_area_scratch_create(pass->picture->arealight, &worker->arealight);
+            if (status != AIR_OK) {
+                return status;
+            }
+        }
+        if (complete && pass->picture->ordinates != NULL) {
+            const air_status status =
+                air_ordinates_scratch_create(pass->picture->ordinates, &worker->ordinates);
             if (status != AIR_OK) {
                 return status;
             }

@@ -22,6 +22,9 @@ static uint64_t settings_hash(const air_picture *picture)
     if (p->area_table != NULL) {
         hash = air_fingerprint_add(hash, p->area_table->knots, sizeof p->area_table->knots);
     }
+    if (picture->ordinates != NULL) {
+        hash = air_with_ordinates_fingerprint(picture->ordinates, hash);
+    }
     if (picture->lightmap != NULL) {
         hash = air_with_lightmap_fingerprint(picture->lightmap, hash);
     }
@@ -204,6 +207,11 @@ air_status air_picture_init(air_picture *picture, air_context *context,
                                            &picture->arealight);
     }
     if (status == AIR_OK) {
+        const bool split = params->layers || air_with_arealight_is_ratio(picture->arealight);
+        status = air_with_ordinates_create(&picture->path, picture->owners, &picture->view, params,
+                                           traced, split, &picture->ordinates);
+    }
+    if (status == AIR_OK) {
         status = air_with_lightmap_create(&picture->path, params->lightmap, params->terms,
                                           &picture->lightmap);
     }
@@ -214,6 +222,7 @@ air_status air_picture_init(air_picture *picture, air_context *context,
 void air_picture_finish(air_picture *picture)
 {
     air_with_lightmap_destroy(picture->lightmap);
+    air_with_ordinates_destroy(picture->ordinates);
     air_with_arealight_destroy(picture->arealight);
     air_with_collimated_destroy(picture->collimated);
     air_path_finish(&picture->path);

@@ -9,6 +9,7 @@
 #include "render/with_arealight.h"
 #include "render/with_collimated.h"
 #include "render/with_lightmap.h"
+#include "render/with_ordinates.h"
 #include "scene/camera.h"
 
 enum { AIR_GAUSSIAN_TABLE = 1024 };
@@ -25,6 +26,7 @@ typedef struct air_picture {
     uint8_t *wanted;
     air_with_collimated *collimated; /* NULL: that method owns nothing */
     air_with_arealight *arealight;   /* likewise */
+    air_with_ordinates *ordinates;   /* likewise */
     air_with_lightmap *lightmap;     /* NULL: there is none, or nothing of it is wanted */
     bool apart;                      /* a slot for each term; else one for all */
     bool guides;                     /* slots for them */

@@ -29,8 +29,42 @@ void air_render_params_default(air_render_params *params)
     params->area_nodes = 8;
     params->shadow_samples = 1;
     params->shadow_candidates = 8;
+    params->ordinates = (air_ordinates_settings){.cells = 32,
+                                                 .directions = 64,
+                                                 .patches = 64,
+                                                 .bands = 5,
+                                                 .polar = 6,
+                                                 .azimuths = 12,
+                                                 .sweeps = 64,
+                                                 .change = 1e-3,
+                                                 .steps = 32,
+                                                 .march = 2,
+                                                 .prefilter = true,
+                                                 .importance = true,
+                                                 .residuum = true};
     params->time_limit_s = INFINITY;
     params->tile_size = 32;
+}
+
+static air_status check_ordinates(air_context *context, const air_ordinates_settings *o)
+{
+    if (o->cells < 2 || o->cells > 256 || o->directions < 1 || o->directions > 4096 ||
+        o->patches < 1 || o->patches > 4096) {
+        return air_fail(
+            context, AIR_ERROR_ARGUMENT,
+            "ordinates: %u cells, %u directions, %u patches: expected 2 to 256, and 1 to "
+            "4096 of the others",
+            o->cells, o->directions, o->patches);
+    }
+    if (o->sweeps < 1 || !(o->change >= 0.0) || o->steps < 1 || o->steps > 4096 || o->march < 1 ||
+        o->march > 64) {
+        return air_fail(
+            context, AIR_ERROR_ARGUMENT,
+            "ordinates: %u sweeps to a change of %g, %u steps, %u looks per cell: expected "
+            "at least 1, at least 0, 1 to 4096 and 1 to 64",
+            o->sweeps, o->change, o->steps, o->march);
+    }
+    return AIR_OK;
 }
 
 static air_status check_area(air_context *context, const air_render_params *p)
@@ -102,6 +136,7 @@ static air_status check(air_context *context, const air_snapshot *snapshot,
     air_status status = check_size(context, p);
     status = status == AIR_OK ? check_samples(context, p) : status;
     status = status == AIR_OK ? check_area(context, p) : status;
+    status = status == AIR_OK ? check_ordinates(context, &p->ordinates) : status;
     if (status != AIR_OK) {
         return status;
     }

@@ -72,7 +72,8 @@ static bool applies(const air_snapshot *snapshot, size_t light, char reason[AIR_
 static const char *const mode_names[] = {"edge", "mix", "ltsd", "volume-ris"};
 
 const air_method_kind air_area_method = {"arealight", mode_names,
-                                         sizeof mode_names / sizeof *mode_names, applies};
+                                         sizeof mode_names / sizeof *mode_names,
+                                         1u << AIR_TERM_S0 | 1u << AIR_TERM_M1, applies};
 
 /* ---- getting ready ---- */
 

@@ -66,7 +66,7 @@ static bool applies(const air_snapshot *snapshot, size_t light, char reason[AIR_
 }
 
 const air_method_kind air_collimated_method = {"collimated", mode_names, AIR_COLLIMATED_MODE_COUNT,
-                                               applies};
+                                               1u << AIR_TERM_S0 | 1u << AIR_TERM_M1, applies};
 
 /* ---- cells ---- */
 

@@ -1,0 +1,161 @@
+#include "render/ordinates_domain.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "core/phase.h"
+#include "scene/media/field.h"
+
+/* Looks per cell along each axis: enough for borders that cut cells. */
+enum { LOOKS = 4 };
+
+/* The bounds of what scatters; false if nothing does. */
+static bool find_bounds(const air_media *media, float low[3], float high[3])
+{
+    bool found = false;
+    for (size_t i = 0; i < media->count; i++) {
+        const air_medium *medium = &media->media[i];
+        for (int axis = 0; axis < 3 && !vec3_is_zero(medium->sigma_t); axis++) {
+            const float a = medium->bounds_min[axis], b = medium->bounds_max[axis];
+            low[axis] = found ? float_min(low[axis], a) : a;
+            high[axis] = found ? float_max(high[axis], b) : b;
+        }
+        found = found || !vec3_is_zero(medium->sigma_t);
+    }
+    return found;
+}
+
+static air_status place(ord_domain *domain, uint32_t cells)
+{
+    float low[3] = {0.0f}, high[3] = {0.0f}, longest = 0.0f;
+    if (!find_bounds(domain->media, low, high)) {
+        return air_fail(domain->context, AIR_ERROR_ARGUMENT, "ordinates: no medium scatters light");
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        longest = float_max(longest, high[axis] - low[axis]);
+    }
+    if (!(longest > 0.0f) || !isfinite(longest)) {
+        return air_fail(domain->context, AIR_ERROR_ARGUMENT,
+                        "ordinates: the media measure %g m: expected a size above 0",
+                        (double)longest);
+    }
+    domain->cell_m = longest / (float)cells;
+    domain->cells = 1;
+    for (int axis = 0; axis < 3; axis++) {
+        const float extent = high[axis] - low[axis];
+        const float count = ceilf(extent / domain->cell_m - 1e-3f);
+        domain->size[axis] = count >= 1.0f ? (size_t)count : 1;
+        const float whole = (float)(ptrdiff_t)domain->size[axis] * domain->cell_m;
+        domain->origin[axis] = low[axis] - 0.5f * (whole - extent);
+        domain->cells *= domain->size[axis];
+    }
+    return AIR_OK;
+}
+
+/* ---- coefficients ---- */
+
+typedef struct look {
+    air_vec3 sigma_s, sigma_t, weighted; /* weighted: sigma_s times mean cosine */
+} look;
+
+static look look_at(const air_media *media, uint64_t regions, air_vec3 point)
+{
+    look sum;
+    memset(&sum, 0, sizeof sum);
+    for (; regions != 0; regions &= regions - 1) {
+        const air_region *region = &media->regions[__builtin_ctzll(regions)];
+        const air_medium *medium = &media->media[region->medium];
+        const air_coefficients c = air_medium_coefficients(medium, region, point);
+        sum.sigma_s = vec3_add(sum.sigma_s, c.sigma_s);
+        sum.sigma_t = vec3_add(sum.sigma_t, c.sigma_t);
+        sum.weighted = vec3_madd(sum.weighted, (float)phase_legendre(medium->phase, 1), c.sigma_s);
+    }
+    return sum;
+}
+
+static void add_look(ord_domain *domain, size_t cell, const look *seen)
+{
+    const float s[3] = {seen->sigma_s.x, seen->sigma_s.y, seen->sigma_s.z};
+    const float t[3] = {seen->sigma_t.x, seen->sigma_t.y, seen->sigma_t.z};
+    const float w[3] = {seen->weighted.x, seen->weighted.y, seen->weighted.z};
+    for (size_t c = 0; c < 3; c++) {
+        domain->sigma_s[c * domain->cells + cell] += s[c];
+        domain->sigma_a[c * domain->cells + cell] += float_max(t[c] - s[c], 0.0f);
+        domain->g[c * domain->cells + cell] += w[c];
+    }
+}
+
+/* A line along x through a row of cells: the media on it are laid out once. */
+static void look_along(ord_domain *domain, size_t j, size_t k, float y, float z)
+{
+    const float step = domain->cell_m / LOOKS;
+    const air_vec3 origin =
+        ord_domain_world(domain, vec3(-domain->cell_m, y * domain->cell_m, z * domain->cell_m));
+    const float length = (float)(ptrdiff_t)(domain->size[0] + 2) * domain->cell_m;
+    air_segment segments[AIR_MAX_SEGMENTS];
+    const size_t count =
+        air_media_segments(domain->media, origin, vec3(1.0f, 0.0f, 0.0f), length, segments);
+    for (size_t s = 0, n = 0; n < domain->size[0] * LOOKS; n++) {
+        const float t = domain->cell_m + ((float)(ptrdiff_t)n + 0.5f) * step;
+        while (s < count && segments[s].t1 <= t) {
+            s++;
+        }
+        if (s < count && segments[s].t0 <= t) {
+            const air_vec3 point = vec3(origin.x + t, origin.y, origin.z);
+            const look seen = look_at(domain->media, segments[s].regions, point);
+            add_look(domain, (k * domain->size[1] + j) * domain->size[0] + n / LOOKS, &seen);
+        }
+    }
+}
+
+static void look_into_slab(void *user, size_t k, size_t worker)
+{
+    ord_domain *const domain = user;
+    const float scale = 1.0f / (LOOKS * LOOKS * LOOKS);
+    (void)worker;
+    for (size_t j = 0; j < domain->size[1]; j++) {
+        for (int n = 0; n < LOOKS * LOOKS; n++) {
+            look_along(domain, j, k,
+                       (float)(ptrdiff_t)j + ((float)(n % LOOKS) + 0.5f) / (float)LOOKS,
+                       (float)(ptrdiff_t)k + ((float)(n / LOOKS) + 0.5f) / (float)LOOKS);
+        }
+    }
+    for (size_t c = 0; c < 3; c++) {
+        const size_t slab = domain->size[0] * domain->size[1];
+        for (size_t i = 0; i < slab; i++) {
+            const size_t at = c * domain->cells + k * slab + i;
+            const float s = domain->sigma_s[at];
+            domain->g[at] = s > 0.0f ? domain->g[at] / s : 0.0f;
+            domain->sigma_s[at] = s * scale;
+            domain->sigma_a[at] *= scale;
+        }
+    }
+}
+
+air_status ord_domain_make(const air_snapshot *snapshot, uint32_t cells, ord_domain *out)
+{
+    memset(out, 0, sizeof *out);
+    out->context = snapshot->context;
+    out->media = &snapshot->media;
+    const air_status status = place(out, cells);
+    if (status != AIR_OK) {
+        return status;
+    }
+    out->sigma_s = air_allocate(out->context, 3 * out->cells, sizeof(float));
+    out->sigma_a = air_allocate(out->context, 3 * out->cells, sizeof(float));
+    out->g = air_allocate(out->context, 3 * out->cells, sizeof(float));
+    if (out->sigma_s == NULL || out->sigma_a == NULL || out->g == NULL) {
+        ord_domain_finish(out);
+        return air_fail_memory(snapshot->context, "ordinates: cells");
+    }
+    air_parallel_for(out->context, out->size[2], look_into_slab, out);
+    return AIR_OK;
+}
+
+void ord_domain_finish(ord_domain *domain)
+{
+    air_free(domain->context, domain->sigma_s);
+    air_free(domain->context, domain->sigma_a);
+    air_free(domain->context, domain->g);
+    memset(domain, 0, sizeof *domain);
+}

@@ -1,0 +1,301 @@
+/* ordinates_solve.c: the light in the cells, by discrete ordinates, and what the camera sees of it.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "airlight/ordinates_dom.h"
+#include "core/phase.h"
+#include "render/ordinates_sources.h"
+#include "render/ordinates_state.h"
+
+enum { CHANNELS = 4, BLOCK = 16 /* sources at a time */ };
+
+/* All that one solution needs. */
+typedef struct solving {
+    air_with_ordinates *with;
+    const air_path *path;
+    const ord_domain *domain;
+    air_seen_box box;
+    air_dom_params dom;
+    air_dom_phase phase;
+    ord_source_list sources;
+    float *extinction[2]; /* for all light, and the true one; 4 per cell */
+    float *moments;
+    float *fluence[2]; /* of a block's sources, likewise */
+    char *scratch;     /* of a block's sources */
+    size_t scratch_size;
+    air_seen_beam beams[2][BLOCK];
+    size_t begin, count;               /* the block */
+    double factors[AIR_DOM_BANDS_MAX]; /* of the medium under way */
+    size_t medium;
+} solving;
+
+/* ---- the medium ---- */
+
+/* Do all media that scatter have the same phase function? Then the index of one, else SIZE_MAX. */
+static size_t only_phase(const air_media *media)
+{
+    size_t found = SIZE_MAX;
+    for (size_t i = 0; i < media->count; i++) {
+        if (vec3_is_zero(media->media[i].sigma_s)) {
+            continue;
+        }
+        if (found != SIZE_MAX) {
+            const air_phase a = media->media[found].phase, b = media->media[i].phase;
+            if (a.kind != b.kind || a.g != b.g || a.kind == AIR_PHASE_MIXTURE) {
+                return SIZE_MAX;
+            }
+        }
+        found = found == SIZE_MAX ? i : found;
+    }
+    return found;
+}
+
+static void set_phase(solving *self)
+{
+    const air_media *const media = &self->with->snapshot->media;
+    const size_t only = only_phase(media);
+    self->phase.g = only == SIZE_MAX ? self->domain->g : NULL;
+    for (int l = 1; l <= self->dom.bands && only != SIZE_MAX; l++) {
+        self->phase.legendre[l - 1] = phase_legendre(media->media[only].phase, l);
+    }
+}
+
+/* What the solver takes for extinction of unscattered light in a cell. */
+static double scaled_extinction(const solving *self, size_t i)
+{
+    const ord_domain *const d = self->domain;
+    const double last = self->phase.g != NULL ? pow((double)self->phase.g[i], self->dom.bands)
+                                              : self->phase.legendre[self->dom.bands - 1];
+    const bool forward = self->phase.g == NULL || self->phase.g[i] > 0.0f;
+    const double peak = forward ? air_dom_peak(&self->dom, last) : 0.0;
+    return (double)d->sigma_s[i] * (1.0 - peak) + (double)d->sigma_a[i];
+}
+
+static void set_extinction(solving *self)
+{
+    const ord_domain *const d = self->domain;
+    for (size_t cell = 0; cell < d->cells; cell++) {
+        for (size_t c = 0; c < 3; c++) {
+            const size_t i = c * d->cells + cell;
+            self->extinction[0][cell * CHANNELS + c] = (float)scaled_extinction(self, i);
+            self->extinction[1][cell * CHANNELS + c] = d->sigma_s[i] + d->sigma_a[i];
+        }
+    }
+}
+
+/* ---- sources, a block at a time ---- */
+
+static void fill_source(void *user, size_t index, size_t worker)
+{
+    solving *const self = user;
+    const ord_source *const source = &self->sources.items[self->begin + index];
+    (void)worker;
+    for (int i = 0; i < 2; i++) {
+        if (self->fluence[i] != NULL) {
+            float *const out = self->fluence[i] + index * self->domain->cells * CHANNELS;
+            ord_source_fluence(self->domain, source, self->path, self->extinction[i],
+                               self->scratch + index * self->scratch_size, out);
+            self->beams[i][index] = ord_source_beam(self->domain, source, out);
+        }
+    }
+}
+
+static void take_slab(void *user, size_t k, size_t worker)
+{
+    solving *const self = user;
+    (void)worker;
+    if (self->moments != NULL) {
+        air_beam_moments(&self->box, self->beams[0], self->count, self->dom.bands, k, k + 1,
+                         self->moments);
+    }
+    for (size_t m = 0; m < self->with->medium_count; m++) {
+        const ord_medium *const medium = &self->with->media[m];
+        const air_phase phase = self->with->snapshot->media.media[m].phase;
+        if (medium->light != NULL) {
+            air_seen_beams(&self->box, self->beams[0], self->count, phase, k, k + 1, medium->light);
+        }
+        if (medium->first != NULL) {
+            air_seen_beams(&self->box, self->beams[1], self->count, phase, k, k + 1, medium->first);
+        }
+    }
+}
+
+static air_status take_sources(solving *self)
+{
+    air_context *const context = self->with->context;
+    for (self->begin = 0; self->begin < self->sources.count; self->begin += BLOCK) {
+        const size_t rest = self->sources.count - self->begin;
+        self->count = rest < BLOCK ? rest : BLOCK;
+        air_parallel_for(context, self->count, fill_source, self);
+        air_parallel_for(context, self->domain->size[2], take_slab, self);
+        if (!air_progress(context, 0.0, "light in cells")) {
+            return AIR_ERROR_INTERRUPTED;
+        }
+    }
+    return AIR_OK;
+}
+
+/* ---- scattered light ---- */
+
+static void show_slab(void *user, size_t k, size_t worker)
+{
+    solving *const self = user;
+    (void)worker;
+    air_seen_moments(&self->box, self->dom.bands, self->moments, self->factors, k, k + 1,
+                     self->with->media[self->medium].light);
+}
+
+/* Adds what the media scatter of light that was scattered before. */
+static void show_scattered(solving *self)
+{
+    for (self->medium = 0; self->medium < self->with->medium_count; self->medium++) {
+        const air_phase phase = self->with->snapshot->media.media[self->medium].phase;
+        const ord_medium *const medium = &self->with->media[self->medium];
+        if (medium->light != NULL) {
+            for (int l = 0; l < self->dom.bands; l++) {
+                self->factors[l] = phase_legendre(phase, l) - (double)medium->peak;
+            }
+            air_parallel_for(self->with->context, self->domain->size[2], show_slab, self);
+        }
+    }
+}
+
+static air_status scatter(solving *self, uint32_t max_depth)
+{
+    const air_ordinates_settings *const settings = self->with->settings;
+    const uint32_t events = max_depth - 1; /* beyond the first */
+    air_dom *dom = NULL;
+    air_dom_solve_params params;
+    air_dom_solve_params_default(&params);
+    params.sweeps = events < settings->sweeps ? events : settings->sweeps;
+    params.change = settings->change;
+    params.depth = events < settings->sweeps ? 0 : params.depth;
+    air_status status = air_dom_create(self->with->context, &self->dom, &dom);
+    if (status == AIR_OK) {
+        status =
+            air_dom_set_medium(dom, self->domain->sigma_s, self->domain->sigma_a, &self->phase);
+    }
+    if (status == AIR_OK) {
+        status = air_dom_set_light(dom, self->moments);
+    }
+    if (status == AIR_OK) {
+        status = air_dom_solve(dom, &params, NULL);
+    }
+    if (status == AIR_OK) {
+        air_dom_moments(dom, self->moments);
+        show_scattered(self);
+    }
+    air_dom_destroy(dom);
+    return status;
+}
+
+/* ---- all ---- */
+
+static void set_box(solving *self, const air_camera_view *view)
+{
+    const ord_domain *const d = self->domain;
+    self->box.distant = view->kind != AIR_CAMERA_PERSPECTIVE;
+    for (int axis = 0; axis < 3; axis++) {
+        self->box.size[axis] = d->size[axis];
+        self->box.cell_m[axis] = d->cell_m;
+        self->dom.size[axis] = d->size[axis];
+        self->dom.cell_m[axis] = d->cell_m;
+    }
+    const air_vec3 to = self->box.distant ? vec3_neg(view->dir) : ord_domain_local(d, view->origin);
+    vec3_store(self->box.observer, to);
+}
+
+static bool make_arrays(solving *self, bool deep)
+{
+    air_context *const context = self->with->context;
+    const size_t cells = self->domain->cells;
+    const size_t bands = (size_t)self->dom.bands;
+    const bool wanted[2] = {self->with->all, self->with->single};
+    bool made = true;
+    self->scratch_size = ord_source_scratch(self->domain);
+    self->scratch = air_allocate(context, BLOCK, self->scratch_size);
+    for (int i = 0; i < 2; i++) {
+        self->extinction[i] = air_allocate(context, cells * CHANNELS, sizeof(float));
+        made = made && self->extinction[i] != NULL;
+        if (wanted[i]) {
+            self->fluence[i] = air_allocate(context, BLOCK * cells * CHANNELS, sizeof(float));
+            made = made && self->fluence[i] != NULL;
+        }
+    }
+    if (deep) {
+        self->moments = air_allocate(context, cells * bands * bands * CHANNELS, sizeof(float));
+        made = made && self->moments != NULL;
+    }
+    return made && self->scratch != NULL;
+}
+
+static void free_arrays(solving *self)
+{
+    air_context *const context = self->with->context;
+    for (int i = 0; i < 2; i++) {
+        air_free(context, self->extinction[i]);
+        air_free(context, self->fluence[i]);
+    }
+    air_free(context, self->moments);
+    air_free(context, self->scratch);
+    ord_sources_finish(&self->sources);
+}
+
+static air_status make_media(air_with_ordinates *with, const air_dom_params *dom)
+{
+    const air_media *const media = &with->snapshot->media;
+    with->medium_count = media->count;
+    with->media = air_allocate(with->context, media->count, sizeof *with->media);
+    bool made = with->media != NULL;
+    for (size_t i = 0; made && i < media->count; i++) {
+        ord_medium *const m = &with->media[i];
+        m->peak = (float)air_dom_peak(dom, phase_legendre(media->media[i].phase, dom->bands));
+        if (phase_legendre(media->media[i].phase, 1) < 0.0) {
+            m->peak = 0.0f;
+        }
+        if (vec3_is_zero(media->media[i].sigma_s)) {
+            continue;
+        }
+        if (with->all) {
+            m->light = air_allocate(with->context, with->domain.cells * CHANNELS, sizeof(float));
+        }
+        if (with->single) {
+            m->first = air_allocate(with->context, with->domain.cells * CHANNELS, sizeof(float));
+        }
+        made = (m->light != NULL || !with->all) && (m->first != NULL || !with->single);
+    }
+    return made ? AIR_OK : air_fail_memory(with->context, "ordinates: media");
+}
+
+air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
+                     const air_camera_view *view, const air_render_params *params)
+{
+    const air_ordinates_settings *const settings = with->settings;
+    const ord_lighting lighting = {with->path, owners, settings, NULL};
+    solving self = {.with = with, .path = with->path, .domain = &with->domain};
+    const bool deep = with->all && params->max_depth > 1;
+    air_dom_params_default(&self.dom);
+    self.dom.bands = settings->bands;
+    self.dom.polar = settings->polar;
+    self.dom.azimuths = settings->azimuths;
+    set_box(&self, view);
+    air_status status = make_media(with, &self.dom);
+    if (status != AIR_OK) {
+        return status;
+    }
+    set_phase(&self);
+    status = ord_sources_make(&lighting, &self.sources);
+    if (status == AIR_OK && !make_arrays(&self, deep)) {
+        status = air_fail_memory(with->context, "ordinates: light");
+    }
+    if (status == AIR_OK) {
+        set_extinction(&self);
+        status = take_sources(&self);
+    }
+    if (status == AIR_OK && deep) {
+        status = scatter(&self, params->max_depth);
+    }
+    free_arrays(&self);
+    return status;
+}

@@ -1,0 +1,55 @@
+/* ordinates_sources.h: a scene's lights as beams: directions and points of light, and what of each
+ * reaches the cells without an event. */
+#ifndef AIR_RENDER_ORDINATES_SOURCES_H
+#define AIR_RENDER_ORDINATES_SOURCES_H
+
+#include "airlight/ordinates_view.h"
+#include "path/path.h"
+#include "render/ordinates_domain.h"
+#include "render/owner.h"
+
+/* World space. */
+typedef struct ord_source {
+    bool local;
+    air_vec3 place; /* unit direction of travel; local: position */
+    air_vec3 power; /* irradiance across it, W/m^2; local: intensity, W/sr */
+    float lobe;     /* mean cosine of the directions it stands for */
+    float radius_m; /* local: of the disk it stands for; 0: a point */
+    bool cosine;    /* local: power is times the cosine to normal, of both signs if two_sided */
+    bool two_sided, casts_shadow;
+    air_vec3 normal;
+    const air_light *light; /* whose windows or cone apply; NULL: none */
+} ord_source;
+
+typedef struct ord_source_list {
+    air_context *context;
+    ord_source *items;
+    size_t count, capacity;
+} ord_source_list;
+
+/* What surfaces do with rays, and what the method was asked for. */
+typedef struct ord_lighting {
+    const air_path *path;
+    const air_owner_table *owners;
+    const air_ordinates_settings *settings;
+    const float *importance; /* AIR_IMPORTANCE_TEXELS, or NULL */
+} ord_lighting;
+
+/* All sources of the lights that the method owns. */
+air_status ord_sources_make(const ord_lighting *lighting, ord_source_list *out);
+air_status ord_sources_add(ord_source_list *list, const ord_source *source);
+void ord_sources_finish(ord_source_list *list);
+
+/* Scratch of ord_source_fluence: bytes. */
+size_t ord_source_scratch(const ord_domain *domain);
+
+/* Mean fluence of a source in every cell, 4 numbers each, for power 1: attenuated by extinction (4
+ * per cell, per metre), hidden by surfaces. */
+void ord_source_fluence(const ord_domain *domain, const ord_source *source, const air_path *path,
+                        const float *extinction, void *scratch, float *out);
+
+/* As the kernels take it; fluence is what ord_source_fluence gave. */
+air_seen_beam ord_source_beam(const ord_domain *domain, const ord_source *source,
+                              const float *fluence);
+
+#endif
