@@ -191,7 +191,7 @@ static double narrowed(const air_environment_choice *choice, double lobe)
 static void stratum(const air_environment_ordinates *self, const air_environment_choice *choice,
                     const environment_sums *a, const environment_sums *b, air_ordinate *out)
 {
-    static const double up[3] = {0.0, 1.0, 0.0};
+    const double up[3] = {0.0, 1.0, 0.0};
     double moment[3];
     for (int k = 0; k < 3; k++) {
         out->irradiance[k] = double_max(0.0, b->rgb[k] - a->rgb[k]);
