@@ -105,6 +105,43 @@ AIR_API air_status air_environment_ordinates_choose(air_context *context,
                                                     const air_environment_choice *choice,
                                                     air_ordinate *out);
 
+/* ---- lit surfaces ---- */
+
+/* What a light sees of surfaces, a reflective shadow map: in an order in which neighbours are near
+ * each other, such as rows to and fro or a Hilbert curve. Borrowed. */
+typedef struct air_surface_samples {
+    size_t count;               /* >= 1 */
+    const float *position;      /* 3 each, m */
+    const float *normal;        /* 3 each, unit to 1 % */
+    const float *albedo;        /* R, G, B each, in [0, 1]; NULL: 1 */
+    const float *irradiance;    /* R, G, B each, W/m^2, 0..1e30; without area W */
+    const float *transmittance; /* R, G, B each, from light to surface, in [0, 1]; NULL: 1 */
+    const float *area;          /* of surface that each stands for, m^2, 0..1e30; NULL: no area,
+                                   and irradiance is power */
+} air_surface_samples;
+
+/* A diffuse patch, as a point that sends flux / pi max(0, n.w) W/sr along w. */
+typedef struct air_surface_light {
+    double position[3], normal[3]; /* weighted by luminance; m, unit */
+    double flux[3];                /* W, R, G, B */
+    double
+        radius_m; /* r_0 of the disk with the samples' second moment: 1 / r^2 is to be taken as
+                     1 / (r^2 + r_0^2), which is exact on the disk's axis, or no nearer than r_0 */
+    double lobe;  /* mean cosine of light from that disk to the direction from its middle, at the
+                     distance asked for, or r_0 if that is more: 2 r / (r + sqrt(r^2 + r_0^2)) */
+} air_surface_light;
+
+/* Chooses count, 1..AIR_ORDINATES_LIGHTS_MAX, lights: the samples in their order, cut into pieces
+ * of equal luminance of albedo x irradiance x transmittance x area, within samples too, so that
+ * fluxes sum to the samples' per channel. Where order jumps, a light may lie between surfaces, with
+ * a radius that tells. Samples without light are passed over; if all are, fluxes are 0 and pieces
+ * have equal numbers. distance_m, > 0: for the lobe, such as the radius of the first shell of a
+ * radial grid. AIR_ERROR_ARGUMENT: a parameter or sample (the first is named) is out of range; out
+ * is then untouched. [Elek2014, section 6] */
+AIR_API air_status air_surface_lights_choose(air_context *context,
+                                             const air_surface_samples *samples, size_t count,
+                                             double distance_m, air_surface_light *out);
+
 #ifdef __cplusplus
 }
 #endif
