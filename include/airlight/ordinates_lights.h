@@ -105,6 +105,65 @@ AIR_API air_status air_environment_ordinates_choose(air_context *context,
                                                     const air_environment_choice *choice,
                                                     air_ordinate *out);
 
+/* ---- what the camera sees of the sky ---- */
+
+/* A pyramid that is cut into AIR_IMPORTANCE_CELLS cells along each axis: (i, j, k), entry (k *
+ * AIR_IMPORTANCE_CELLS + j) * AIR_IMPORTANCE_CELLS + i, i to the right, j upwards, both even in the
+ * tangent, k even in depth from near to far. It should hold all of the medium that is seen, and of
+ * what is not what light comes through: beyond it there is nothing. */
+typedef struct air_importance_camera {
+    float position[3];
+    float right[3], up[3], forward[3]; /* orthonormal, to 1e-3 */
+    float tan_half[2];   /* tangents of half the angles of view, across and up, (0, 100] */
+    float near_m, far_m; /* depths along forward; 0 <= near < far */
+} air_importance_camera;
+
+enum { AIR_IMPORTANCE_CELLS = 16, AIR_IMPORTANCE_CELLS_ALL = 16 * 16 * 16 };
+
+/* Centres of the cells, 3 floats each, in world space: where to take coefficients.
+ * AIR_ERROR_ARGUMENT: the camera is out of range. */
+AIR_API air_status air_importance_points(air_context *context, const air_importance_camera *camera,
+                                         float *out);
+
+/* One number per cell; of RGB some mean. Borrowed. */
+typedef struct air_importance_medium {
+    const float *sigma_s, *sigma_a; /* 1/m, >= 0, finite */
+    const float *g;                 /* in (-1, 1) */
+} air_importance_medium;
+
+/* In sr of the camera's view. in = through + scattered + absorbed + residual to 1e-5 of it. */
+typedef struct air_importance_books {
+    double in;        /* the pyramid's solid angle */
+    double through;   /* leaves without an event */
+    double scattered; /* leaves after some: what the map sums to */
+    double absorbed;
+    double residual; /* still under way after the last step: 1e-3 of in at most, or 64 steps */
+} air_importance_books;
+
+/* Bytes of scratch, to be aligned to 64, of air_importance_propagate. */
+AIR_API size_t air_importance_scratch(void);
+
+/* How much of the sky the camera sees by scattering: the integral over the view of the radiance
+ * that comes to it so is the integral over the sky of radiance times map, AIR_IMPORTANCE_TEXELS, sr
+ * per sr. The camera's rays are sent as light through the pyramid, and what leaves is sorted by
+ * direction: light that comes from there goes the same ways back. Neighbouring rays count as
+ * parallel, so the map is rough (figures: src/ordinates/README.md); it steers where ordinates are,
+ * not what they carry. books may be NULL. AIR_ERROR_ARGUMENT: a camera or coefficient is out of
+ * range; outputs are then untouched. [Elek2014, section 5.2] */
+AIR_API air_status air_importance_propagate(air_context *context,
+                                            const air_importance_camera *camera,
+                                            const air_importance_medium *medium, void *scratch,
+                                            float *out_map, air_importance_books *out_books);
+
+/* A map made fit to choose by: smoothed over its neighbours (1/4, 1/2, 1/4 along each axis, over
+ * the poles), scaled to mean 1 over the sphere and mixed with `floor` in [0, 1] of 1 (10 % is
+ * usual). A map of zeros gives 1. out may be map. */
+AIR_API void air_importance_smooth(const float *map, float floor, float *out);
+
+/* keep times previous and 1 - keep times next, texel by texel: from picture to picture, 0.8 is
+ * usual. out may be either. */
+AIR_API void air_importance_blend(const float *previous, const float *next, float keep, float *out);
+
 /* ---- lit surfaces ---- */
 
 /* What a light sees of surfaces, a reflective shadow map: in an order in which neighbours are near
