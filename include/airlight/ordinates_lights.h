@@ -80,7 +80,7 @@ typedef struct air_environment_choice {
                    lobe that stands for it then have the same second moment if they are
                    narrow (1 - 3 (1 - a) against a^2), where 1 gives the same first one and
                    ordinates that show one by one */
-    const float *importance; /* AIR_IMPORTANCE_TEXELS, >= 0, finite; NULL: 1; borrowed */
+    const float *importance; /* AIR_IMPORTANCE_TEXELS, 0..1e30; NULL: 1; borrowed */
     float to_world[9];       /* rows of the rotation from map to world; default: none */
 } air_environment_choice;
 
@@ -90,7 +90,7 @@ typedef struct air_ordinate {
     double travel[3];     /* unit direction of travel, in world space */
     double irradiance[3]; /* E0 across it, W/m^2, RGB */
     double lobe;          /* a_n, in [0, 1]: air_ordinates_params.lobe */
-    double solid_angle;   /* of the stratum, sr */
+    double solid_angle;   /* of the stratum, sr; of a point 1 / (N p) */
 } air_ordinate;
 
 /* Chooses choice->count ordinates: the curve is cut into pieces of equal (luminance x
@@ -127,7 +127,7 @@ AIR_API air_status air_importance_points(air_context *context, const air_importa
 
 /* One number per cell; of RGB some mean. Borrowed. */
 typedef struct air_importance_medium {
-    const float *sigma_s, *sigma_a; /* 1/m, >= 0, finite */
+    const float *sigma_s, *sigma_a; /* 1/m, 0..1e30 */
     const float *g;                 /* in (-1, 1) */
 } air_importance_medium;
 

@@ -5,7 +5,12 @@
  * ENVIRONMENT_RUN-th element, and at the first of each cell, which is what importance is constant
  * over. So a choice weighs the cells and then walks only along the runs in which the curve is cut.
  * A stratum is the difference of the sums at two cuts: whatever the cuts are, the strata add up to
- * the sky. */
+ * the sky.
+ *
+ * Strips of rows cut into columns, the 2D distribution, make rounder strata of an even sky (16 of
+ * them: mean cosine 0.931 against 0.922), but a strip goes through bright and dark alike: of
+ * vestibule_1k 64 strata by luminance have 0.945 against 0.976, and light scattered once at g = 0.8
+ * is off by 0.168 against 0.077. */
 #ifndef AIR_ORDINATES_ENVIRONMENT_H
 #define AIR_ORDINATES_ENVIRONMENT_H
 
