@@ -8,11 +8,10 @@
 #include "airlight/ordinates_lights.h"
 #include "cmocka_test.h"
 #include "core/host.h"
-#include "core/random.h"
 #include "core/triple.h"
 #include "core/vec.h"
 
-enum { MOST = 1024, VIEWS = 64 };
+enum { MOST = 1024, VIEWS = 256 };
 
 typedef struct picture {
     air_context *context;
@@ -69,7 +68,8 @@ static double luminance(const double rgb[3])
 
 static double hg(double g, double cosine)
 {
-    return (1.0 - g * g) / (4.0 * AIR_PI * pow(1.0 + g * g - 2.0 * g * cosine, 1.5));
+    const double s = 1.0 + g * g - 2.0 * g * cosine;
+    return (1.0 - g * g) / (4.0 * AIR_PI * s * sqrt(s));
 }
 
 /* ---- the sun ---- */
@@ -194,16 +194,16 @@ static double error_of(const air_environment_ordinates *self, const air_environm
     return sqrt(squares) / mean;
 }
 
-/* The paper's form, points by luminance with lobes of their angles, against strata by luminance,
- * and with the contrast and beta that are the default. */
+/* Views are even over the sphere and many: with 32 of them, drawn, 16 points came out better than
+ * their strata. The paper's form, points by luminance with lobes of their angles, against strata by
+ * luminance, and with the contrast and beta that are the default. */
 static void strata_have_less_error_than_points(void **state)
 {
     const double gs[] = {0.5, 0.8};
     double views[VIEWS][3], truth[VIEWS];
-    air_rng rng = air_rng_from_keys(3, 5);
     for (size_t v = 0; v < VIEWS; v++) {
-        const double z = 1.0 - 2.0 * (double)air_rng_float(&rng), r = sqrt(1.0 - z * z);
-        const double phi = 2.0 * AIR_PI * (double)air_rng_float(&rng);
+        const double z = 1.0 - (2.0 * (double)v + 1.0) / VIEWS, r = sqrt(1.0 - z * z);
+        const double phi = AIR_PI * (3.0 - sqrt(5.0)) * (double)v; /* a spiral */
         views[v][0] = r * cos(phi);
         views[v][1] = r * sin(phi);
         views[v][2] = z;
