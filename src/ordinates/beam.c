@@ -172,29 +172,37 @@ static void carry(const sweep *s, size_t w)
     extend_plane(s, s->next);
 }
 
-/* Square of how much the depth changes across the cell, between two neighbours of it. */
-static inline four slope_square(const float *before, const float *after, ptrdiff_t low,
-                                ptrdiff_t high)
+/* Square of half of how much the depth changes across the cell, between two neighbours of it. */
+static inline four half_slope_square(const float *before, const float *after, ptrdiff_t low,
+                                     ptrdiff_t high)
 {
     const four a = four_load(before + high) - four_load(before + low);
     const four b = four_load(after + high) - four_load(after + low);
-    const float scale = high - low > 0 && low != 0 && high != 0 ? 0.25f : 0.5f;
-    const four change = scale * (a + b);
-    return change * change;
+    const float scale = low != 0 && high != 0 ? 0.125f : 0.25f;
+    const four half = scale * (a + b);
+    return half * half;
+}
+
+/* log(sinh(x) / x), by which the mean of exp over an even slope exceeds that of its middle, from
+ * x^2: off by 0.01 up to x = 2.5 and 0.02 up to 5, where it is 2.7. */
+static inline four log_spread(four square)
+{
+    const four size = four_root(square);
+    return square / (6.0f + square * 0.2f / (1.0f + size * 0.1f));
 }
 
 /* Mean transmittance of a cell from depths and transmittances before and behind it: along the axis
- * exactly, but for rounding where they hardly differ; across it to second order. */
-static inline four cell_mean(four depth, four next, four through, four next_through, four across)
+ * exactly, but for rounding where they hardly differ; across it as of even slopes. */
+static inline four cell_mean(four depth, four next, four through, four next_through, four spread)
 {
     const four change = next - depth, small = change * change;
-    const four size = four_max(change, -change),
-               safe = four_select(size < 0.05f, four_all(1.0f), change);
+    const four size = four_max(change, -change);
+    const four safe = four_select(size < 0.05f, four_all(1.0f), change);
     const four middle =
         through * (1.0f - change * 0.5f + small * (1.0f / 6.0f - change * (1.0f / 24.0f)));
     const four mean = four_select(size < 0.05f, middle, (through - next_through) / safe);
-    const four spread = 1.0f + four_min(across, four_all(1.0f)) * (1.0f / 24.0f);
-    return four_min(mean * spread, four_all(1.0f));
+    const four more = 1.0f / four_exp(-four_min(spread, four_all(DEPTH_MOST)));
+    return four_min(mean * more, four_all(1.0f));
 }
 
 /* Cells of layer w; transmittances behind it replace those before. */
@@ -211,8 +219,8 @@ static void average(const sweep *s, size_t w, float *out)
             const ptrdiff_t high_u = u + 1 == s->count[0] ? 0 : CHANNELS;
             const four next = four_load(after), through = four_load(s->through + at);
             const four next_through = four_exp(-four_min(next, four_all(DEPTH_MOST)));
-            const four across = slope_square(before, after, low_u, high_u) +
-                                slope_square(before, after, low_v, high_v);
+            const four across = log_spread(half_slope_square(before, after, low_u, high_u)) +
+                                log_spread(half_slope_square(before, after, low_v, high_v));
             four_store(layer + (v * s->stride[1] + u * s->stride[0]) * CHANNELS,
                        cell_mean(four_load(before), next, through, next_through, across));
             four_store(s->through + at, next_through);

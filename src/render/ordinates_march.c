@@ -10,7 +10,8 @@
 enum { MOST_STEPS = 16384 };
 #define LEAST_SHARE 1e-5f
 
-/* Eight cells about a point, and their shares. */
+/* Eight cells about a point, and their shares: linear between their centres, and on beyond the
+ * outermost, where the light of a dense medium changes most. */
 typedef struct corners {
     size_t cell[8];
     float weight[8];
@@ -25,10 +26,11 @@ static corners find_corners(const ord_domain *domain, air_vec3 world)
     corners out;
     for (int axis = 0; axis < 3; axis++) {
         const float last = (float)(ptrdiff_t)domain->size[axis] - 1.0f;
-        const float held = float_min(float_max(at[axis] / domain->cell_m - 0.5f, 0.0f), last);
-        low[axis] = (size_t)held;
+        const float place =
+            float_min(float_max(at[axis] / domain->cell_m - 0.5f, -0.5f), last + 0.5f);
+        low[axis] = (size_t)float_max(float_min(place, last - 1.0f), 0.0f);
         high[axis] = low[axis] + 1 < domain->size[axis] ? low[axis] + 1 : low[axis];
-        share[axis] = held - (float)(ptrdiff_t)low[axis];
+        share[axis] = place - (float)(ptrdiff_t)low[axis];
     }
     for (int c = 0; c < 8; c++) {
         const size_t x = (c & 1) != 0 ? high[0] : low[0], y = (c & 2) != 0 ? high[1] : low[1];
@@ -49,7 +51,7 @@ static void weigh_by_extinction(const air_with_ordinates *with, float sigma_t, c
     float weight[8], sum = 0.0f;
     for (int i = 0; i < 8; i++) {
         const float difference = (with->extinction[c->cell[i]] - sigma_t) * inverse;
-        weight[i] = c->weight[i] * air_exp(-0.5f * difference * difference);
+        weight[i] = float_max(c->weight[i], 0.0f) * air_exp(-0.5f * difference * difference);
         sum += weight[i];
     }
     for (int i = 0; i < 8 && sum >= 1e-6f; i++) {
@@ -63,7 +65,7 @@ static air_vec3 gather(const corners *c, const float *light)
     for (int i = 0; i < 8; i++) {
         sum = vec3_madd(sum, c->weight[i], vec3_load(light + c->cell[i] * 4));
     }
-    return sum;
+    return vec3(float_max(sum.x, 0.0f), float_max(sum.y, 0.0f), float_max(sum.z, 0.0f));
 }
 
 /* The media at a point: [0] as `all` sees them, [1] as `single` does. */
