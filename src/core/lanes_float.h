@@ -61,6 +61,10 @@ static inline lanes lanes_inverse(lanes x)
     return lanes_madd(y, lanes_nmadd(x, y, lanes_all(1.0f)), y);
 }
 
+/* As the processor has them: to 4e-4 at worst, which differ from one to the next. */
+static inline lanes lanes_rough_inverse_root(lanes x) { return _mm512_rsqrt14_ps(x); }
+static inline lanes lanes_rough_inverse(lanes x) { return _mm512_rcp14_ps(x); }
+
 #elif defined(__AVX2__) && defined(__FMA__)
 
 enum { LANES = 8 };
@@ -89,6 +93,8 @@ static inline lanes lanes_select(lane_mask mask, lanes a, lanes b)
 static inline lanes lanes_root(lanes x) { return _mm256_sqrt_ps(x); }
 static inline lanes lanes_inverse_root(lanes x) { return lanes_all(1.0f) / _mm256_sqrt_ps(x); }
 static inline lanes lanes_inverse(lanes x) { return lanes_all(1.0f) / x; }
+static inline lanes lanes_rough_inverse_root(lanes x) { return _mm256_rsqrt_ps(x); }
+static inline lanes lanes_rough_inverse(lanes x) { return _mm256_rcp_ps(x); }
 
 #else
 
@@ -119,6 +125,8 @@ static inline lanes lanes_select(lane_mask mask, lanes a, lanes b)
 static inline lanes lanes_root(lanes x) { return _mm_sqrt_ps(x); }
 static inline lanes lanes_inverse_root(lanes x) { return lanes_all(1.0f) / _mm_sqrt_ps(x); }
 static inline lanes lanes_inverse(lanes x) { return lanes_all(1.0f) / x; }
+static inline lanes lanes_rough_inverse_root(lanes x) { return _mm_rsqrt_ps(x); }
+static inline lanes lanes_rough_inverse(lanes x) { return _mm_rcp_ps(x); }
 
 #endif
 

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdint.h>
 
+#include "core/exponential.h"
 #include "core/host.h"
 
 void air_ordinates_params_default(air_ordinates_params *params)
@@ -19,15 +20,26 @@ void air_ordinates_params_default(air_ordinates_params *params)
 
 /* ---- arguments ---- */
 
-/* Without branches, so that it takes lanes: a tenth of the time of a step otherwise. False for NaN.
- */
-static bool all_between(const float *x, size_t count, float least, float most)
+/* By their bits, which are ordered as positive floats are, NaN last, in a loop that takes lanes: a
+ * tenth of the time of a step otherwise. Adding 0 makes 0 of -0. */
+static bool all_finite_positive(const float *x, size_t count)
 {
-    int outside = 0;
+    uint32_t greatest = 0;
     for (size_t i = 0; i < count; i++) {
-        outside |= !(x[i] >= least) | !(x[i] <= most);
+        const uint32_t bits = air_float_bits(x[i] + 0.0f);
+        greatest = bits > greatest ? bits : greatest;
     }
-    return outside == 0;
+    return greatest <= air_float_bits(FLT_MAX);
+}
+
+static bool all_within(const float *x, size_t count, float most)
+{
+    uint32_t greatest = 0;
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t bits = air_float_bits(x[i]) & 0x7fffffffu;
+        greatest = bits > greatest ? bits : greatest;
+    }
+    return greatest <= air_float_bits(most);
 }
 
 static const char *params_fault(const air_ordinates_params *params)
@@ -65,16 +77,16 @@ static const char *cells_fault(const air_ordinates_cells *cells)
     if (!(cells->cell_m > 0.0f && cells->cell_m <= FLT_MAX)) {
         return "cells of a positive edge";
     }
-    if (cells->sigma_s == NULL || !all_between(cells->sigma_s, count, 0.0f, FLT_MAX)) {
+    if (cells->sigma_s == NULL || !all_finite_positive(cells->sigma_s, count)) {
         return "finite sigma_s >= 0";
     }
-    if (cells->sigma_a == NULL || !all_between(cells->sigma_a, count, 0.0f, FLT_MAX)) {
+    if (cells->sigma_a == NULL || !all_finite_positive(cells->sigma_a, count)) {
         return "finite sigma_a >= 0";
     }
-    if (cells->g == NULL || !all_between(cells->g, count, -1.0f + 0x1p-24f, 1.0f - 0x1p-24f)) {
+    if (cells->g == NULL || !all_within(cells->g, count, 1.0f - 0x1p-24f)) {
         return "g in (-1, 1)";
     }
-    if (cells->entry != NULL && !all_between(cells->entry, slice, 0.0f, FLT_MAX)) {
+    if (cells->entry != NULL && !all_finite_positive(cells->entry, slice)) {
         return "finite entry factors >= 0";
     }
     return NULL;
@@ -84,8 +96,7 @@ static const char *cells_fault(const air_ordinates_cells *cells)
 static const char *results_fault(const air_ordinates_results *results, size_t count)
 {
     if (results->seen != NULL &&
-        (results->view_cosine == NULL ||
-         !all_between(results->view_cosine, count, -1.000001f, 1.000001f))) {
+        (results->view_cosine == NULL || !all_within(results->view_cosine, count, 1.000001f))) {
         return "cosines to the observer in [-1, 1]";
     }
     if (results->binned != NULL && results->bins < 1) {
@@ -101,13 +112,33 @@ size_t air_ordinates_scratch(const air_ordinates_cells *cells, const air_ordinat
     if (size_fault(cells) != NULL || params_fault(params) != NULL) {
         return 0;
     }
-    return ordinates_scratch_plain(cells, params);
+    const size_t plain = ordinates_scratch_plain(cells, params);
+    const size_t lanes = ordinates_scratch_lanes(cells, params);
+    return plain > lanes ? plain : lanes;
 }
 
 /* ---- runs ---- */
 
+/* Six lobes and bins have the plain version alone. */
+static bool takes_lanes(const ordinates_run *run)
+{
+    return run->params->stencil != AIR_ORDINATES_SIX && run->results->binned == NULL;
+}
+
 static ordinates_steps *steps_of(const air_context *context, const ordinates_run *run)
 {
+#if defined(__x86_64__)
+    const air_cpu cpu = context != NULL ? air_context_cpu(context) : AIR_CPU_C;
+    if (takes_lanes(run) && cpu == AIR_CPU_AVX512) {
+        return ordinates_steps_avx512;
+    }
+    if (takes_lanes(run) && cpu == AIR_CPU_AVX2) {
+        return ordinates_steps_avx2;
+    }
+    if (takes_lanes(run) && cpu == AIR_CPU_SSE42) {
+        return ordinates_steps_sse42;
+    }
+#endif
     (void)context;
     (void)run;
     return ordinates_steps_plain;
