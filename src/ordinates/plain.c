@@ -84,7 +84,8 @@ static void start_first_scatter(plain_grid *self, size_t cell, double *beam)
         results->beam[cell] = (float)fluence;
     }
     if (results->seen != NULL) {
-        self->seen[cell] = fluence * ordinates_phase(lobe * g, (double)results->view_cosine[cell]);
+        self->seen[cell] =
+            fluence * ordinates_phase(lobe * ordinates_dull(g), (double)results->view_cosine[cell]);
     }
     *beam -= lost;
 }
@@ -180,7 +181,7 @@ static void add_pass(plain_grid *self, double weight)
         }
         self->fluence[i] += fluence;
         if (results->seen != NULL) {
-            const double g = (double)self->run->cells->g[i];
+            const double g = ordinates_dull((double)self->run->cells->g[i]);
             self->seen[i] += fluence * ordinates_phase(a * g, (double)results->view_cosine[i]);
         }
         if (results->binned != NULL) {

@@ -3,6 +3,8 @@
 #define AIR_ORDINATES_RUN_H
 
 #include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
 
 #include "airlight/ordinates.h"
 
@@ -29,6 +31,13 @@ size_t ordinates_scratch_plain(const air_ordinates_cells *cells,
                                const air_ordinates_params *params);
 size_t ordinates_scratch_lanes(const air_ordinates_cells *cells,
                                const air_ordinates_params *params);
+
+/* The largest of numbers by their bits below the sign, which are ordered as the numbers' sizes are,
+ * NaN last; by those of the sign, too, if negative ones are to be the largest (-0 is not negative).
+ * In each instruction set for speed: media are as much to read as to begin with. */
+typedef uint32_t ordinates_greatest(const float *x, size_t count, bool with_sign);
+ordinates_greatest ordinates_greatest_plain;
+ordinates_greatest ordinates_greatest_sse42, ordinates_greatest_avx2, ordinates_greatest_avx512;
 
 typedef void ordinates_steps(const ordinates_run *run);
 ordinates_steps ordinates_steps_plain;

@@ -53,15 +53,18 @@ static inline double ordinates_cumulative(double a, double mu)
     return (1.0 - a) * (1.0 + mu) / (s * (1.0 + a + s));
 }
 
-/* No phase function is as sharp as a beam; arguments are kept this far from it. */
+/* No phase function is as sharp as a beam; those of g are kept this far from it. */
 #define ORDINATES_SHARPEST 0.995
+static inline double ordinates_dull(double g)
+{
+    return double_min(double_max(g, -ORDINATES_SHARPEST), ORDINATES_SHARPEST);
+}
 
-/* 1/sr */
+/* 1/sr, |a| <= ORDINATES_SHARPEST */
 static inline double ordinates_phase(double a, double mu)
 {
-    const double x = double_min(double_max(a, -ORDINATES_SHARPEST), ORDINATES_SHARPEST);
-    const double s2 = 1.0 + x * x - 2.0 * x * mu;
-    return (1.0 - x * x) / (4.0 * AIR_PI * s2 * sqrt(s2));
+    const double s2 = 1.0 + a * a - 2.0 * a * mu;
+    return (1.0 - a * a) / (4.0 * AIR_PI * s2 * sqrt(s2));
 }
 
 /* What leaves through each face of a cube by how far directions lead across it: z+/(|x|+|y|+|z|) of

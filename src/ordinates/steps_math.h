@@ -87,12 +87,10 @@ static inline pair pair_short_exp(pair x)
     return pair_nmadd(x, pair_nmadd(x, c23, pair_all(0.99998587f)), pair_all(1.0f));
 }
 
-/* 4 pi times the phase function of mean cosine a, view = 2 d.v. */
-static inline pair pair_phase(pair a, pair view)
+/* 4 pi times the phase function of mean cosine x, |x| <= ORDINATES_SHARPEST, view = 2 d.v. */
+static inline pair pair_phase(pair x, pair view)
 {
     const pair one = pair_all(1.0f);
-    const pair x = pair_max(pair_all(-(float)ORDINATES_SHARPEST),
-                            pair_min(pair_all((float)ORDINATES_SHARPEST), a));
     const pair cube = pair_inverse_root_cubed(pair_madd(x, pair_sub(x, view), one));
     return pair_mul(pair_nmadd(x, x, one), cube);
 }

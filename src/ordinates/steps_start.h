@@ -55,6 +55,7 @@ static pair start_medium(const lanes_grid *self, size_t k, pair greatest)
     const size_t at = k * self->size[0] * self->size[1], end = self->body;
     const pair half = pair_all(0.5f * cells->cell_m), most = pair_all(START_COEFFICIENT);
     const pair deepest = pair_all(START_DEPTH), zero = pair_all(0.0f);
+    const float sharpest = (float)ORDINATES_SHARPEST;
     spread(self, cells->sigma_s + at, self->sigma_s);
     spread(self, cells->sigma_a + at, self->sigma_a);
     spread(self, cells->g + at, self->g);
@@ -67,6 +68,7 @@ static pair start_medium(const lanes_grid *self, size_t k, pair greatest)
     for (size_t i = 0; i < end; i += PAIR) {
         float *const cell = grid_cell(self, k, i);
         const pair g = pair_load(self->g + i), view = pair_load(self->view + i);
+        const pair dull = pair_max(pair_all(-sharpest), pair_min(pair_all(sharpest), g));
         const pair sigma_s = pair_min(pair_load(self->sigma_s + i), most);
         const pair sigma_a = pair_min(pair_load(self->sigma_a + i), most);
         pair rate = pair_sub(pair_all(1.0f), g), unused;
@@ -82,7 +84,7 @@ static pair start_medium(const lanes_grid *self, size_t k, pair greatest)
         }
         pair_store(cell + CELL_ABSORB, absorb);
         pair_store(cell + CELL_TURN, turn);
-        pair_store(cell + CELL_G, g);
+        pair_store(cell + CELL_G, dull);
         pair_store(cell + CELL_VIEW, pair_add(view, view));
         pair_store(cell + CELL_FLUENCE, zero);
         pair_store(cell + CELL_SEEN, zero);
@@ -105,7 +107,7 @@ static double start_first_scatter(const lanes_grid *self, size_t k)
         const pair sigma_s = pair_min(pair_load(self->sigma_s + i), most);
         const pair sigma_a = pair_min(pair_load(self->sigma_a + i), most);
         const pair sigma_t = pair_add(sigma_s, sigma_a), beam = pair_load(self->beam + i);
-        const pair a = pair_mul(lobe, pair_load(cell + CELL_G));
+        const pair a = pair_mul(lobe, pair_load(self->g + i));
         const pair depth = pair_min(pair_mul(sigma_t, edge), pair_all(1e18f));
         const pair tau = pair_max(depth, pair_all(1e-20f));
         const pair albedo = pair_mul(sigma_s, pair_inverse(pair_max(sigma_t, pair_all(1e-30f))));
@@ -119,7 +121,8 @@ static double start_first_scatter(const lanes_grid *self, size_t k)
         pair_store(self->beam + i, pair_sub(beam, lost));
         pair_store(self->spare + i, fluence);
         if (seen) {
-            const pair phase = pair_phase(a, pair_load(cell + CELL_VIEW));
+            const pair view = pair_load(cell + CELL_VIEW);
+            const pair phase = pair_phase(pair_mul(lobe, pair_load(cell + CELL_G)), view);
             pair_store(cell + CELL_SEEN, pair_mul(fluence, phase));
         }
         if (absorbed != NULL) {
