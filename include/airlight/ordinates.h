@@ -104,9 +104,10 @@ AIR_API size_t air_ordinates_scratch(const air_ordinates_cells *cells,
 
 /* Runs. The context chooses the instruction set and hears what is wrong; NULL is legal. AIR_CPU_C
  * computes in doubles, others in floats side by side, within 3.5e-5 of a cell's power in each share
- * and step; SIX, and runs that want bins, are computed in doubles by all of them,
- * which takes tens of times as long. AIR_ERROR_ARGUMENT: a size, parameter or coefficient is out of
- * range, scratch is not aligned; results are then untouched. [Elek2014, eqs. 1-8] */
+ * and step. SIX, and runs that want bins, are computed in doubles by all of them: CM then takes
+ * some 40 times as long, SIX hundreds of times. AIR_ERROR_ARGUMENT: a size, parameter or
+ * coefficient is out of range, scratch is not aligned; results are then untouched. [Elek2014, eqs.
+ * 1-8] */
 AIR_API air_status air_ordinates_run(air_context *context, const air_ordinates_cells *cells,
                                      const air_ordinates_params *params, void *scratch,
                                      const air_ordinates_results *results);
