@@ -24,6 +24,7 @@
 #include "airlight/ordinates_beam.h"
 #include "airlight/ordinates_dom.h"
 #include "airlight/ordinates_lights.h"
+#include "airlight/ordinates_radial.h"
 #include "airlight/ordinates_view.h"
 #include "airlight/phase_fit.h"
 #include "airlight/point.h"

@@ -1,0 +1,71 @@
+/* radial.h: what the parts of the radial kernel share: its tables and its memory. */
+#ifndef AIR_ORDINATES_RADIAL_H
+#define AIR_ORDINATES_RADIAL_H
+
+#include "airlight/ordinates_radial.h"
+
+/* Tables of n * n directions, in the caller's scratch. */
+typedef struct radial_mesh {
+    size_t n, count; /* count = n * n */
+    double *omega;   /* solid angles */
+    uint32_t *opposite;
+    /* SIDES: which part of the lateral power of neighbour[s] comes here, and what stays */
+    uint32_t *neighbour[4];
+    double *from[4], *stay;
+    /* SPREAD: the square's columns close to n/2 rings of 2n cells (column i upwards, then column
+     * n-1-i downwards), its rows likewise. order[f][q * n/2 + p] is cell q of ring p, link[f] the
+     * conductance (shared arc / distance of centres) from it to the ring's next. */
+    uint32_t *order[2];
+    double *link[2];
+} radial_mesh;
+
+/* One shell's sources: power W and power times mean cosine P that leave each cell. */
+typedef struct radial_flux {
+    double *front, *side, *back;
+    double *front_mean, *side_mean, *back_mean;
+} radial_flux;
+
+/* A run in progress. Arrays of K n^2 doubles unless said. */
+typedef struct radial_run {
+    const air_radial_cells *cells;
+    const air_radial_params *params;
+    const air_radial_results *results;
+    radial_mesh mesh;
+    double lobe;          /* of the beam */
+    bool curved;          /* CM with curvature */
+    bool absorbing;       /* anywhere */
+    double *energy;       /* E */
+    double *mean;         /* a */
+    double *scatter_half; /* optical distances, of the decay and of absorption, of half a cell */
+    double *absorb_half;
+    double *path;        /* sum of E l */
+    double *seen;        /* sum of E l f_hg, and the beam's */
+    radial_flux flux[3]; /* ring of shells; n^2 each */
+    double *mobility;    /* n^2 */
+    double *rings[5];    /* n^2 each: for radial_spread */
+    air_radial_books books;
+} radial_run;
+
+/* ---- radial_geometry.c ---- */
+
+double radial_ratio(uint32_t n); /* rho */
+void radial_mesh_fill(radial_mesh *mesh, const air_radial_params *params);
+
+/* ---- radial_start.c: E, a and the beam's share of the results ---- */
+
+void radial_begin(radial_run *run, const air_radial_light *light);
+/* Adds a shell's pass to the results: weight times E l. paths: of a cell as deep as 1. */
+void radial_count(radial_run *run, uint32_t k, const double *paths, double weight);
+
+/* ---- radial_step.c ---- */
+
+/* One step of all shells; weight: how much of a path the state at its beginning counts. */
+void radial_step(radial_run *run, double weight);
+
+/* ---- radial_spread.c ---- */
+
+/* Moves the power and momentum of one shell between directions by diffusion with run->mobility,
+ * rad^2 / sr per cell: (1 - M)^-1 E in place of E, implicitly, columns then rows. */
+void radial_spread(radial_run *run, double *energy, double *momentum);
+
+#endif
