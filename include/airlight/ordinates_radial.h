@@ -1,5 +1,5 @@
 /* ordinates_radial.h: light carried outwards from a point, a lamp or a small patch of surface,
- * through shells around it, step by step [Elek2014, sec. 4.3], as corrected in
+ * through shells around it, step by step [Elek2014, sec. 6], as corrected in
  * src/ordinates/README.md.
  *
  * A grid has n x n directions, the cells of the octahedral square, and shells of which each is as
@@ -31,8 +31,8 @@ enum {
 
 typedef struct air_radial_grid {
     uint32_t directions; /* n, even, so that every cell's edges are arcs of great circles */
-    uint32_t shells;     /* K */
-    float radius_m;      /* R: where the last shell ends; > 0, finite */
+    uint32_t shells;     /* K; the first must begin no further in than 1e-12 R */
+    float radius_m;      /* R: where the last shell ends; 1e-15..1e15 */
 } air_radial_grid;
 
 /* ---- geometry; arguments are not checked but by assert ---- */
@@ -104,7 +104,7 @@ typedef struct air_radial_params {
     air_ordinates_start start;     /* FIRST_SCATTER or BOUNDARY; default FIRST_SCATTER */
     air_radial_lateral lateral;    /* default SPREAD; LITERAL needs SIDES */
     bool curvature;  /* straight paths turn radial; default true; not with LITERAL (ignored) */
-    uint32_t steps;  /* at most; 1..AIR_ORDINATES_STEPS_MAX; default 64 */
+    uint32_t steps;  /* at most; 1..AIR_ORDINATES_STEPS_MAX; default 128 */
     double residual; /* ends when no more than this share of what came in is under way; >= 0;
                         default 1e-3 */
 } air_radial_params;
@@ -140,7 +140,7 @@ AIR_API size_t air_radial_scratch(const air_radial_grid *grid);
 
 /* Runs, in doubles. light NULL: 1 W/sr everywhere, a beam. AIR_ERROR_ARGUMENT: a size, parameter,
  * coefficient or intensity is out of range; results are then untouched. The context only hears the
- * sentence about it and may be NULL. [Elek2014, eqs. 1-8, sec. 4.3] */
+ * sentence about it and may be NULL. [Elek2014, eqs. 1-8, sec. 6] */
 AIR_API air_status air_radial_run(air_context *context, const air_radial_cells *cells,
                                   const air_radial_light *light, const air_radial_params *params,
                                   void *scratch, const air_radial_results *results);

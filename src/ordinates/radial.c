@@ -14,7 +14,7 @@ void air_radial_params_default(air_radial_params *params)
         .start = AIR_ORDINATES_FIRST_SCATTER,
         .lateral = AIR_RADIAL_SPREAD,
         .curvature = true,
-        .steps = 64,
+        .steps = 128,
         .residual = 1e-3,
     };
 }
@@ -23,8 +23,11 @@ void air_radial_params_default(air_radial_params *params)
 
 enum {
     PER_CELL = 6,       /* E, a, two optical distances, path, seen */
-    PER_DIRECTION = 32, /* three shells of six fluxes, mobility, five rings, eight of the mesh */
-    INDICES = 8         /* opposite, four neighbours, two orders; one to spare */
+    PER_DIRECTION = 33, /* three shells of six fluxes, mobility, five rings, nine of the mesh */
+    INDICES = 8,        /* opposite, four neighbours, three orders */
+    /* Between arrays: rows are often a multiple of 4096 bytes, and arrays that start at one offset
+     * to that drive each other out of the cache. */
+    STAGGER = 24
 };
 
 static bool grid_fits(const air_radial_grid *grid)
@@ -32,7 +35,8 @@ static bool grid_fits(const air_radial_grid *grid)
     return grid->directions >= AIR_RADIAL_DIRECTIONS_MIN &&
            grid->directions <= AIR_RADIAL_DIRECTIONS_MAX && grid->directions % 2 == 0 &&
            grid->shells >= AIR_RADIAL_SHELLS_MIN && grid->shells <= AIR_RADIAL_SHELLS_MAX &&
-           grid->radius_m > 0.0f && grid->radius_m <= 1e30f;
+           grid->radius_m >= 1e-15f && grid->radius_m <= 1e15f &&
+           air_radial_radius(grid, 0) >= 1e-12 * (double)grid->radius_m;
 }
 
 static size_t direction_count(const air_radial_grid *grid)
@@ -46,14 +50,15 @@ size_t air_radial_scratch(const air_radial_grid *grid)
         return 0;
     }
     const size_t count = direction_count(grid);
-    return (PER_CELL * grid->shells + PER_DIRECTION) * count * sizeof(double) +
+    const size_t numbers = (PER_CELL * grid->shells + PER_DIRECTION) * count;
+    return (numbers + (PER_CELL + PER_DIRECTION) * STAGGER) * sizeof(double) +
            INDICES * count * sizeof(uint32_t);
 }
 
 static double *take(double **next, size_t count)
 {
     double *const array = *next;
-    *next += count;
+    *next += count + STAGGER;
     return array;
 }
 
@@ -64,7 +69,7 @@ static void lay_out_mesh(radial_mesh *mesh, double **next)
     for (int i = 0; i < 4; i++) {
         mesh->from[i] = take(next, mesh->count);
     }
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         mesh->link[i] = take(next, mesh->count);
     }
     uint32_t *index = (uint32_t *)*next;
@@ -72,7 +77,7 @@ static void lay_out_mesh(radial_mesh *mesh, double **next)
     for (int i = 0; i < 4; i++) {
         mesh->neighbour[i] = index += mesh->count;
     }
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 3; i++) {
         mesh->order[i] = index += mesh->count;
     }
 }
@@ -151,8 +156,8 @@ static const char *fault_of(const air_radial_cells *cells, const air_radial_ligh
 {
     const float most = 3.4028234e38f, below_1 = 0.99999994f;
     if (!grid_fits(&cells->grid)) {
-        return "directions must be even and between 4 and 128, shells between 2 and 256, the "
-               "radius positive";
+        return "directions must be even and between 4 and 128, shells between 2 and 256 and "
+               "outside of 1e-12 of the radius, which must be between 1e-15 and 1e15";
     }
     const size_t count = direction_count(&cells->grid), all = count * cells->grid.shells;
     const char *const fault = params_fault(params);
@@ -186,6 +191,8 @@ static const char *fault_of(const air_radial_cells *cells, const air_radial_ligh
 
 /* ---- the run ---- */
 
+static const double DEEPEST = 600.0; /* nothing is left beyond; for radial_exp */
+
 /* Optical distances of half a cell. Where g is 0 the paper's decay is taken at g = 1e-6; for g < 0
  * it has none, and that is taken too. */
 static void prepare(radial_run *run)
@@ -198,8 +205,8 @@ static void prepare(radial_run *run)
         for (size_t i = k * run->mesh.count; i < (k + 1) * run->mesh.count; i++) {
             const double g = (double)cells->g[i];
             const double rate = paper ? -log(double_max(g, 1e-6)) : 1.0 - g;
-            run->scatter_half[i] = rate * (double)cells->sigma_s[i] * half;
-            run->absorb_half[i] = (double)cells->sigma_a[i] * half;
+            run->scatter_half[i] = double_min(DEEPEST, rate * (double)cells->sigma_s[i] * half);
+            run->absorb_half[i] = double_min(DEEPEST, (double)cells->sigma_a[i] * half);
             run->absorbing |= cells->sigma_a[i] > 0.0f;
         }
     }

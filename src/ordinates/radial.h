@@ -12,11 +12,13 @@ typedef struct radial_mesh {
     /* SIDES: which part of the lateral power of neighbour[s] comes here, and what stays */
     uint32_t *neighbour[4];
     double *from[4], *stay;
-    /* SPREAD: the square's columns close to n/2 rings of 2n cells (column i upwards, then column
-     * n-1-i downwards), its rows likewise. order[f][q * n/2 + p] is cell q of ring p, link[f] the
-     * conductance (shared arc / distance of centres) from it to the ring's next. */
-    uint32_t *order[2];
-    double *link[2];
+    /* SPREAD: cells in rings, and the conductances (per unit of diffusivity) from each to its
+     * ring's next. Families 0 and 1: the square's columns close to n/2 rings of 2n cells, column i
+     * upwards, then column n-1-i downwards, and so do its rows; cell q of ring p is entry q * n/2 +
+     * p. Family 2: cells of one height z, 4m of them, first m = 1, n/2 - 1 with the rings of both
+     * hemispheres side by side, then the equator's. */
+    uint32_t *order[3];
+    double *link[3];
 } radial_mesh;
 
 /* One shell's sources: power W and power times mean cosine P that leave each cell. */
@@ -64,8 +66,8 @@ void radial_step(radial_run *run, double weight);
 
 /* ---- radial_spread.c ---- */
 
-/* Moves the power and momentum of one shell between directions by diffusion with run->mobility,
- * rad^2 / sr per cell: (1 - M)^-1 E in place of E, implicitly, columns then rows. */
+/* Moves the power and momentum of one shell between directions by diffusion with run->mobility, the
+ * diffusivity of a step over the solid angle, rad^2 / sr: one implicit step per family of rings. */
 void radial_spread(radial_run *run, double *energy, double *momentum);
 
 #endif

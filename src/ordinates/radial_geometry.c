@@ -214,25 +214,119 @@ static void fill_sides(radial_mesh *mesh)
     }
 }
 
-static void fill_rings(radial_mesh *mesh)
+/* ---- diffusion: linear finite elements on the triangles between the centres of cells ---- */
+
+/* Squares of four centres are cut along the diagonal that is level on the octahedron's face, so
+ * that all angles stay below 90 degrees; across the rims of faces they are trapezoids, and it does
+ * not matter. Square (i, j) has its lower left centre at cell (i, j); i, j in [-1, n - 1]. */
+static bool falls(uint32_t n, int32_t i, int32_t j)
+{
+    const int32_t middle = (int32_t)n / 2 - 1;
+    return (i > middle) == (j > middle);
+}
+
+static void centre(uint32_t n, int32_t i, int32_t j, double out[3])
+{
+    const uint32_t cell = glued(n, i, j);
+    air_radial_direction(n, cell % n, cell / n, out);
+}
+
+/* The cotangent of the angle at a; 0 where two corners are one: at the middles of the square's rim
+ * two cells meet along two edges. */
+static double cotangent(const double a[3], const double b[3], const double c[3])
+{
+    const double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    const double ac[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    double normal[3];
+    cross(ab, ac, normal);
+    const double area = sqrt(dot(normal, normal));
+    return area > 0.0 ? dot(ab, ac) / area : 0.0;
+}
+
+/* Conductance from (i, j) to (i + 1, j), or with along_v to (i, j + 1): half the cotangents of the
+ * angles that its two triangles have opposite to it. */
+static double side_link(uint32_t n, int32_t i, int32_t j, bool along_v)
+{
+    double from[3], to[3], above[3], below[3];
+    centre(n, i, j, from);
+    if (along_v) {
+        centre(n, i, j + 1, to);
+        centre(n, i + 1, falls(n, i, j) ? j : j + 1, above);
+        centre(n, i - 1, falls(n, i - 1, j) ? j + 1 : j, below);
+    } else {
+        centre(n, i + 1, j, to);
+        centre(n, falls(n, i, j) ? i : i + 1, j + 1, above);
+        centre(n, falls(n, i, j - 1) ? i + 1 : i, j - 1, below);
+    }
+    return double_max(0.0, 0.5 * (cotangent(above, from, to) + cotangent(below, from, to)));
+}
+
+/* The same for the diagonal of square (i, j). */
+static double diagonal_link(uint32_t n, int32_t i, int32_t j)
+{
+    double p[2][2][3];
+    for (int a = 0; a < 4; a++) {
+        centre(n, i + (a & 1), j + (a >> 1), p[a >> 1][a & 1]);
+    }
+    const bool falling = falls(n, i, j);
+    const double *const from = falling ? p[0][1] : p[0][0], *const to = falling ? p[1][0] : p[1][1];
+    const double *const one = falling ? p[0][0] : p[0][1], *const two = falling ? p[1][1] : p[1][0];
+    return double_max(0.0, 0.5 * (cotangent(one, from, to) + cotangent(two, from, to)));
+}
+
+static void fill_straight_rings(radial_mesh *mesh)
 {
     const uint32_t n = (uint32_t)mesh->n;
     for (uint32_t q = 0; q < 2 * n; q++) {
         for (uint32_t p = 0; p < n / 2; p++) {
             const uint32_t along = q < n ? q : 2 * n - 1 - q, across = q < n ? p : n - 1 - p;
             const size_t at = (size_t)q * (n / 2) + p;
-            for (int family = 0; family < 2; family++) {
-                const uint32_t u = family == 0 ? across : along, v = family == 0 ? along : across;
-                const int side = (family == 0 ? 2 : 0) + (q < n ? 1 : 0);
-                const uint32_t next = air_radial_neighbour(n, u, v, side);
-                double a[3], b[3];
-                air_radial_direction(n, u, v, a);
-                air_radial_direction(n, next % n, next / n, b);
-                mesh->order[family][at] = v * n + u;
-                mesh->link[family][at] = air_radial_arc(n, u, v, side) / angle_between(a, b);
+            const int32_t begin = q < n ? (int32_t)along : (int32_t)along - 1;
+            mesh->order[0][at] = along * n + across;
+            mesh->link[0][at] = side_link(n, (int32_t)across, begin, true);
+            mesh->order[1][at] = across * n + along;
+            mesh->link[1][at] = side_link(n, begin, (int32_t)across, false);
+        }
+    }
+}
+
+/* Cells of |i| + |j| = sum, i = 2u + 1 - n, j likewise, m of them in each quadrant; diagonals join
+ * those of a quadrant. */
+static void fill_level_ring(radial_mesh *mesh, uint32_t m, bool lower, size_t at, size_t stride)
+{
+    const int32_t n = (int32_t)mesh->n, sum = lower ? 2 * n - 2 * (int32_t)m : 2 * (int32_t)m;
+    const int32_t first = lower ? sum - n + 1 : 1;
+    for (int32_t q = 0; q < 4; q++) {
+        for (int32_t t = 0; t < (int32_t)m; t++, at += stride) {
+            int32_t j = first + 2 * t, i = sum - j, next_j = j + 2, next_i = i - 2;
+            for (int32_t turns = 0; turns < q; turns++) {
+                const int32_t keep = i, next_keep = next_i;
+                i = -j;
+                j = keep;
+                next_i = -next_j;
+                next_j = next_keep;
+            }
+            const int32_t u = (i + n - 1) / 2, v = (j + n - 1) / 2;
+            mesh->order[2][at] = (uint32_t)(v * n + u);
+            mesh->link[2][at] = 0.0;
+            if (t + 1 < (int32_t)m) {
+                mesh->link[2][at] =
+                    diagonal_link((uint32_t)n, next_i < i ? u - 1 : u, next_j < j ? v - 1 : v);
             }
         }
     }
+}
+
+static void fill_rings(radial_mesh *mesh)
+{
+    fill_straight_rings(mesh);
+    size_t at = 0;
+    for (uint32_t m = 1; m < mesh->n / 2; m++) {
+        fill_level_ring(mesh, m, false, at, 2);
+        fill_level_ring(mesh, m, true, at + 1, 2);
+        at += 8 * m;
+    }
+    fill_level_ring(mesh, (uint32_t)mesh->n / 2, false, at, 1);
 }
 
 void radial_mesh_fill(radial_mesh *mesh, const air_radial_params *params)

@@ -66,21 +66,35 @@ static void substitute(const double *restrict m, const double *restrict link, si
     }
 }
 
+static void solve(radial_run *run, int family, size_t at, size_t half, size_t length)
+{
+    double *const *const r = run->rings;
+    const double *const link = run->mesh.link[family] + at;
+    eliminate(r[0] + at, link, half, length, r[1] + at, r[2] + at, r[3] + at, r[4] + at);
+    substitute(r[0] + at, link, half, length, r[1] + at, r[2] + at, r[3] + at, r[4] + at);
+}
+
 void radial_spread(radial_run *run, double *energy, double *momentum)
 {
     const radial_mesh *const mesh = &run->mesh;
     double *const m = run->rings[0], *const e = run->rings[1], *const p = run->rings[2];
-    for (int family = 0; family < 2; family++) {
+    for (int family = 0; family < 3; family++) {
         const uint32_t *const order = mesh->order[family];
         for (size_t i = 0; i < mesh->count; i++) {
             m[i] = run->mobility[order[i]];
             e[i] = energy[order[i]];
             p[i] = momentum[order[i]];
         }
-        eliminate(m, mesh->link[family], mesh->n / 2, 2 * mesh->n, e, p, run->rings[3],
-                  run->rings[4]);
-        substitute(m, mesh->link[family], mesh->n / 2, 2 * mesh->n, e, p, run->rings[3],
-                   run->rings[4]);
+        if (family < 2) {
+            solve(run, family, 0, mesh->n / 2, 2 * mesh->n);
+        } else {
+            size_t at = 0;
+            for (size_t level = 1; level < mesh->n / 2; level++) {
+                solve(run, family, at, 2, 4 * level);
+                at += 8 * level;
+            }
+            solve(run, family, at, 1, 2 * mesh->n);
+        }
         for (size_t i = 0; i < mesh->count; i++) {
             energy[order[i]] = e[i];
             momentum[order[i]] = p[i];

@@ -79,7 +79,7 @@ static void shine(radial_run *run, size_t cell, double power, const float *visib
         const double from_ball = run->curved && lost > 0.0 ? ball / lost : 0.0;
         visible = visibility == NULL ? 1.0 : (double)visibility[at];
         run->energy[at] = visible * albedo * lost;
-        run->mean[at] = a + from_ball * (cosine_out_of_ball(a) - a);
+        run->mean[at] = run->energy[at] > 0.0 ? a + from_ball * (cosine_out_of_ball(a) - a) : 0.0;
         run->path[at] = 0.5 + 0.5 * from_ball;
         run->books.absorbed += visible * (1.0 - albedo) * lost;
         run->books.hidden += (1.0 - visible) * lost;
