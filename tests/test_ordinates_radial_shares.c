@@ -34,6 +34,7 @@ static void shares_and_means_are_the_integrals(void **state)
         assert_true(fabs(r.front_mean - moment(a, c, 1.0, 1)) < tolerance);
         assert_true(fabs(r.side_mean - moment(a, -c, c, 1)) < tolerance);
         assert_true(fabs(r.back_mean - moment(a, -1.0, -c, 1)) < tolerance);
+        assert_true(fabs(radial_path_fit(a) - r.path) < 2e-5);
     }
 }
 
@@ -47,7 +48,8 @@ static void nothing_is_singular_and_all_sums_hold(void **state)
         assert_true(fabs(r.front_mean + r.side_mean + r.back_mean - edges[i]) < 1e-15);
         assert_true(r.front >= 0.0 && r.side >= 0.0 && r.back >= 0.0);
         assert_true(fabs(edges[i] * r.path - (r.front - r.back)) < 1e-15);
-        assert_true(r.path == radial_path(edges[i]));
+        assert_true(fabs(r.path - radial_path(edges[i])) < 1e-15);
+        assert_true(fabs(radial_path_fit(edges[i]) - r.path) < 2e-5);
     }
     assert_true(fabs(radial_path(0.0) - 0.75) < 1e-15 && fabs(radial_path(1.0) - 1.0) < 1e-15);
     const radial_shares beam = radial_shares_of(1.0);

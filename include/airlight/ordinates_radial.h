@@ -62,7 +62,7 @@ AIR_API double air_radial_arc(uint32_t n, uint32_t u, uint32_t v, int side);
 AIR_API uint32_t air_radial_opposite(uint32_t n, uint32_t u, uint32_t v);
 
 /* The four cells whose centres surround a direction (any length but 0) and their bilinear weights
- * (>= 0, sum 1). Cells repeat nowhere but at n = 4's corners. */
+ * (>= 0, sum 1). Around +-x and +-y, where only two cells meet, each may come twice. */
 AIR_API void air_radial_surrounding(uint32_t n, const double direction[3], uint32_t out_cells[4],
                                     double out_weights[4]);
 
@@ -103,7 +103,8 @@ typedef struct air_radial_params {
     air_ordinates_decay decay;     /* default POISSON */
     air_ordinates_start start;     /* FIRST_SCATTER or BOUNDARY; default FIRST_SCATTER */
     air_radial_lateral lateral;    /* default SPREAD; LITERAL needs SIDES */
-    bool curvature;  /* straight paths turn radial; default true; not with LITERAL (ignored) */
+    bool curvature;  /* straight paths turn radial, those out of the ball inside the first shell
+                        too; default true; not with LITERAL (ignored) */
     uint32_t steps;  /* at most; 1..AIR_ORDINATES_STEPS_MAX; default 128 */
     double residual; /* ends when no more than this share of what came in is under way; >= 0;
                         default 1e-3 */

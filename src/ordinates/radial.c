@@ -22,7 +22,7 @@ void air_radial_params_default(air_radial_params *params)
 /* ---- memory ---- */
 
 enum {
-    PER_CELL = 6,       /* E, a, two optical distances, path, seen */
+    PER_CELL = 7,       /* E, a, two optical distances, ease, path, seen */
     PER_DIRECTION = 33, /* three shells of six fluxes, mobility, five rings, nine of the mesh */
     INDICES = 8,        /* opposite, four neighbours, three orders */
     /* Between arrays: rows are often a multiple of 4096 bytes, and arrays that start at one offset
@@ -88,7 +88,8 @@ static void lay_out(radial_run *run, void *scratch)
     const size_t count = direction_count(&run->cells->grid);
     const size_t cells = count * run->cells->grid.shells;
     double **const per_cell[PER_CELL] = {&run->energy,      &run->mean, &run->scatter_half,
-                                         &run->absorb_half, &run->path, &run->seen};
+                                         &run->absorb_half, &run->ease, &run->path,
+                                         &run->seen};
     for (int i = 0; i < PER_CELL; i++) {
         *per_cell[i] = take(&next, cells);
     }
@@ -193,28 +194,38 @@ static const char *fault_of(const air_radial_cells *cells, const air_radial_ligh
 
 static const double DEEPEST = 600.0; /* nothing is left beyond; for radial_exp */
 
-/* Optical distances of half a cell. Where g is 0 the paper's decay is taken at g = 1e-6; for g < 0
- * it has none, and that is taken too. */
+/* Optical distances of half a cell, and how easily light goes sideways. Where g is 0 the paper's
+ * decay is taken at g = 1e-6; for g < 0 it has none, and that is taken too.
+ *
+ * Over a path s the diffusivity is s lambda (1 - a^2) / (3 r^2): (1 - a^2) / 3 is the mean square
+ * of either sideways component, lambda = 1 / (1/r + (1-g) sigma_s + sigma_a) how far light keeps
+ * going sideways; 1/r as straight paths turn radial. Against simulations of lamps and cosine lobes
+ * factors of 0.8 to 1.4 on 1/r do equally well. */
 static void prepare(radial_run *run)
 {
     const air_radial_cells *const cells = run->cells;
     const bool paper = run->params->decay == AIR_ORDINATES_DECAY_PAPER;
+    const size_t count = run->mesh.count;
     for (uint32_t k = 0; k < cells->grid.shells; k++) {
-        const double half =
-            0.5 * (air_radial_radius(&cells->grid, k + 1) - air_radial_radius(&cells->grid, k));
-        for (size_t i = k * run->mesh.count; i < (k + 1) * run->mesh.count; i++) {
-            const double g = (double)cells->g[i];
+        const double inner = air_radial_radius(&cells->grid, k);
+        const double outer = air_radial_radius(&cells->grid, k + 1);
+        const double depth = outer - inner, radius = 0.5 * (outer + inner);
+        for (size_t i = k * count; i < (k + 1) * count; i++) {
+            const double g = (double)cells->g[i], omega = run->mesh.omega[i - k * count];
             const double rate = paper ? -log(double_max(g, 1e-6)) : 1.0 - g;
-            run->scatter_half[i] = double_min(DEEPEST, rate * (double)cells->sigma_s[i] * half);
-            run->absorb_half[i] = double_min(DEEPEST, (double)cells->sigma_a[i] * half);
+            const double scatter = 0.5 * depth * rate * (double)cells->sigma_s[i];
+            const double absorb = 0.5 * depth * (double)cells->sigma_a[i];
+            const double lambda = 1.0 / (1.0 / radius + 2.0 * (scatter + absorb) / depth);
+            run->scatter_half[i] = double_min(DEEPEST, scatter);
+            run->absorb_half[i] = double_min(DEEPEST, absorb);
+            run->ease[i] = depth * lambda / (3.0 * radius * radius * omega);
             run->absorbing |= cells->sigma_a[i] > 0.0f;
         }
     }
-    for (size_t i = 0; i < run->mesh.count * cells->grid.shells; i++) {
-        run->seen[i] = 0.0;
-        for (size_t b = 0; b < run->results->bins && run->results->binned != NULL; b++) {
-            run->results->binned[i * run->results->bins + b] = 0.0f;
-        }
+    memset(run->seen, 0, count * cells->grid.shells * sizeof *run->seen);
+    if (run->results->binned != NULL) {
+        memset(run->results->binned, 0,
+               count * cells->grid.shells * run->results->bins * sizeof(float));
     }
 }
 

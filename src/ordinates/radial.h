@@ -12,11 +12,12 @@ typedef struct radial_mesh {
     /* SIDES: which part of the lateral power of neighbour[s] comes here, and what stays */
     uint32_t *neighbour[4];
     double *from[4], *stay;
-    /* SPREAD: cells in rings, and the conductances (per unit of diffusivity) from each to its
-     * ring's next. Families 0 and 1: the square's columns close to n/2 rings of 2n cells, column i
-     * upwards, then column n-1-i downwards, and so do its rows; cell q of ring p is entry q * n/2 +
-     * p. Family 2: cells of one height z, 4m of them, first m = 1, n/2 - 1 with the rings of both
-     * hemispheres side by side, then the equator's. */
+    /* SPREAD: the cells in families of rings and chains, and the conductances (per unit of
+     * diffusivity) from each to the next. Families 0 and 1: the square's columns close to n/2 rings
+     * of 2n cells, column i upwards, then column n-1-i downwards, and so do its rows; cell q of
+     * ring p is entry q * n/2 + p. Family 2: cells of one height z, chains of m in each quadrant;
+     * entry t of the eight chains of both hemispheres side by side, first m = 1, up to n/2 - 1,
+     * then the four of the equator. */
     uint32_t *order[3];
     double *link[3];
 } radial_mesh;
@@ -40,8 +41,9 @@ typedef struct radial_run {
     double *mean;         /* a */
     double *scatter_half; /* optical distances, of the decay and of absorption, of half a cell */
     double *absorb_half;
-    double *path;        /* sum of E l */
-    double *seen;        /* sum of E l f_hg, and the beam's */
+    double *ease; /* of going sideways: mobility = ease l (1 - a^2), l of a cell as deep as 1 */
+    double *path; /* sum of E l */
+    double *seen; /* sum of E l f_hg, and the beam's */
     radial_flux flux[3]; /* ring of shells; n^2 each */
     double *mobility;    /* n^2 */
     double *rings[5];    /* n^2 each: for radial_spread */

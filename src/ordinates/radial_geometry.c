@@ -290,29 +290,27 @@ static void fill_straight_rings(radial_mesh *mesh)
     }
 }
 
-/* Cells of |i| + |j| = sum, i = 2u + 1 - n, j likewise, m of them in each quadrant; diagonals join
- * those of a quadrant. */
-static void fill_level_ring(radial_mesh *mesh, uint32_t m, bool lower, size_t at, size_t stride)
+/* Cells of |i| + |j| = sum, i = 2u + 1 - n, j likewise, m of them in each quadrant: a chain, the
+ * quadrant's entries next to each other, joined by diagonals. */
+static void fill_level(radial_mesh *mesh, uint32_t m, bool lower, size_t at, size_t stride)
 {
     const int32_t n = (int32_t)mesh->n, sum = lower ? 2 * n - 2 * (int32_t)m : 2 * (int32_t)m;
     const int32_t first = lower ? sum - n + 1 : 1;
-    for (int32_t q = 0; q < 4; q++) {
-        for (int32_t t = 0; t < (int32_t)m; t++, at += stride) {
-            int32_t j = first + 2 * t, i = sum - j, next_j = j + 2, next_i = i - 2;
-            for (int32_t turns = 0; turns < q; turns++) {
-                const int32_t keep = i, next_keep = next_i;
-                i = -j;
-                j = keep;
-                next_i = -next_j;
-                next_j = next_keep;
-            }
+    for (int32_t t = 0; t < (int32_t)m; t++, at += stride) {
+        int32_t j = first + 2 * t, i = sum - j, next_i = i - 2, next_j = j + 2;
+        for (size_t quadrant = 0; quadrant < 4; quadrant++) {
             const int32_t u = (i + n - 1) / 2, v = (j + n - 1) / 2;
-            mesh->order[2][at] = (uint32_t)(v * n + u);
-            mesh->link[2][at] = 0.0;
+            mesh->order[2][at + quadrant] = (uint32_t)(v * n + u);
+            mesh->link[2][at + quadrant] = 0.0;
             if (t + 1 < (int32_t)m) {
-                mesh->link[2][at] =
+                mesh->link[2][at + quadrant] =
                     diagonal_link((uint32_t)n, next_i < i ? u - 1 : u, next_j < j ? v - 1 : v);
             }
+            const int32_t turned = i, next_turned = next_i;
+            i = -j;
+            j = turned;
+            next_i = -next_j;
+            next_j = next_turned;
         }
     }
 }
@@ -322,11 +320,11 @@ static void fill_rings(radial_mesh *mesh)
     fill_straight_rings(mesh);
     size_t at = 0;
     for (uint32_t m = 1; m < mesh->n / 2; m++) {
-        fill_level_ring(mesh, m, false, at, 2);
-        fill_level_ring(mesh, m, true, at + 1, 2);
+        fill_level(mesh, m, false, at, 8);
+        fill_level(mesh, m, true, at + 4, 8);
         at += 8 * m;
     }
-    fill_level_ring(mesh, (uint32_t)mesh->n / 2, false, at, 1);
+    fill_level(mesh, (uint32_t)mesh->n / 2, false, at, 4);
 }
 
 void radial_mesh_fill(radial_mesh *mesh, const air_radial_params *params)

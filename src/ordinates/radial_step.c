@@ -109,24 +109,17 @@ static void gather(radial_run *run, uint32_t k)
 }
 
 /* Half a path of decay and absorption in the cell that is reached; p holds P, then a. lost: power
- * absorbed; mobility: of SPREAD, l lambda (1 - a^2) / (3 r^2) per solid angle: (1 - a^2) / 3 is the
- * mean square of either sideways component, and lambda = 1 / (1/r + (1-g) sigma_s + sigma_a) how
- * far light keeps going sideways; 1/r as straight paths turn radial. Against simulations of lamps
- * and cosine lobes factors of 0.8 to 1.4 on 1/r do equally well. Curvature: a straight path has d
- * mu/ds = (1 - mu^2) / r, whose mean over a lobe is about (2/3) (1 - a^2) / r, so the artanh of a
- * grows by turn l, turn = 2/3 depth / r, or 0. tanh x = x (15 + x^2) / (15 + 6 x^2), error 4e-5 at
- * the largest x, 0.7. */
-static inline void arrive_row(bool moments, bool absorbing, size_t count, double depth,
-                              double radius, double turn, const double *restrict omega,
-                              const double *restrict scatter, const double *restrict absorb,
-                              double *restrict e, double *restrict p, double *restrict lost,
-                              double *restrict mobility)
+ * absorbed; mobility: of SPREAD. Curvature: a straight path has d mu/ds = (1 - mu^2) / r, whose
+ * mean over a lobe is about (2/3) (1 - a^2) / r, so the artanh of a grows by turn l, turn = 2/3
+ * depth / r, or 0. tanh x = x (15 + x^2) / (15 + 6 x^2), error 4e-5 at the largest x, 0.7. */
+static inline void arrive_row(bool moments, bool absorbing, size_t count, double turn,
+                              const double *restrict ease, const double *restrict scatter,
+                              const double *restrict absorb, double *restrict e, double *restrict p,
+                              double *restrict lost, double *restrict mobility)
 {
-    const double share = depth * depth / 3.0;
-    const double free_turn = depth * radius, medium_turn = 2.0 * radius * radius;
     for (size_t i = 0; i < count; i++) {
         const double merged = BELOW_ONE * p[i] / (e[i] + NOTHING);
-        const double l = moments ? radial_path(merged) : 1.0;
+        const double l = moments ? radial_path_fit(merged) : 1.0;
         const double kept = absorbing ? e[i] * radial_exp(absorb[i] * l) : e[i];
         const double decayed = merged * radial_exp(scatter[i] * l);
         const double x = turn * l, x2 = x * x;
@@ -135,8 +128,7 @@ static inline void arrive_row(bool moments, bool absorbing, size_t count, double
         lost[i] = e[i] - kept;
         e[i] = kept;
         p[i] = a;
-        mobility[i] = share * l * (1.0 - a * a) /
-                      (omega[i] * (free_turn + medium_turn * (scatter[i] + absorb[i])));
+        mobility[i] = ease[i] * l * (1.0 - a * a);
     }
 }
 
@@ -147,19 +139,16 @@ static void arrive(radial_run *run, uint32_t k)
     const double outer = air_radial_radius(&run->cells->grid, k + 1);
     const double depth = outer - inner, radius = 0.5 * (outer + inner);
     const double turn = run->curved ? 2.0 / 3.0 * depth / radius : 0.0;
-    const double *const omega = run->mesh.omega;
+    const double *const ease = run->ease + at;
     const double *const scatter = run->scatter_half + at, *const absorb = run->absorb_half + at;
     double *const e = run->energy + at, *const a = run->mean + at;
     double *const lost = run->rings[0], *const mobility = run->mobility;
     if (run->params->stencil == AIR_ORDINATES_LITERAL) {
-        arrive_row(false, true, count, depth, radius, turn, omega, scatter, absorb, e, a, lost,
-                   mobility);
+        arrive_row(false, true, count, turn, ease, scatter, absorb, e, a, lost, mobility);
     } else if (run->absorbing) {
-        arrive_row(true, true, count, depth, radius, turn, omega, scatter, absorb, e, a, lost,
-                   mobility);
+        arrive_row(true, true, count, turn, ease, scatter, absorb, e, a, lost, mobility);
     } else {
-        arrive_row(true, false, count, depth, radius, turn, omega, scatter, absorb, e, a, lost,
-                   mobility);
+        arrive_row(true, false, count, turn, ease, scatter, absorb, e, a, lost, mobility);
     }
     if (run->absorbing) {
         double sum = 0.0;
