@@ -17,6 +17,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "airlight/context.h"
 
@@ -27,26 +28,27 @@ extern "C" {
 enum {
     AIR_DOM_SIZE_MAX = 512,
     AIR_DOM_BANDS_MAX = 10,
+    AIR_DOM_POLAR_MAX = 64,
     AIR_DOM_DEPTH_MAX = 8,
     AIR_DOM_STRIDE = 4 /* floats per moment: three channels and a 0 */
 };
 
 typedef struct air_dom_params {
     size_t size[3];  /* cells along x, y, z: 1..AIR_DOM_SIZE_MAX */
-    float cell_m[3]; /* edges of a cell, > 0 */
+    float cell_m[3]; /* edges of a cell, 1e-6 .. 1e6 */
     int bands;       /* of Legendre series, 1..AIR_DOM_BANDS_MAX; default 4 */
-    int polar;       /* Gauss-Legendre nodes of the cosine to z: even, >= bands; default 4 */
-    int azimuths;    /* even round z: a multiple of 4, >= 2 * bands; default 8 */
-    bool delta_m;    /* leave the forward peak in the unscattered light; default true */
-    bool diamond;    /* differences of second order where they stay positive; else of first
-                        everywhere, which blurs; default true */
+    int polar;    /* Gauss-Legendre nodes of the cosine to z: even, >= bands and <= 64; default 4 */
+    int azimuths; /* even round z: a multiple of 4, >= 2 * bands and <= 128; default 8 */
+    bool delta_m; /* leave the forward peak in the unscattered light; default true */
+    bool diamond; /* differences of second order where they stay positive; else of first
+                     everywhere, which blurs; default true */
 } air_dom_params;
 
 /* 4 bands, 4 x 8 directions; size and edges are the caller's. */
 AIR_API void air_dom_params_default(air_dom_params *params);
 
-/* The bytes that a solver will take. depth: of air_dom_solve_params. SIZE_MAX: too many to count.
- */
+/* The bytes that a solver will take, but for some hundred per array; twice as many with a context
+ * of AIR_CPU_C. depth: of air_dom_solve_params. SIZE_MAX: too many to count. */
 AIR_API size_t air_dom_bytes(const air_dom_params *params, int depth);
 
 typedef struct air_dom air_dom;
@@ -62,13 +64,13 @@ typedef struct air_dom_phase {
     /* Henyey-Greenstein of mean cosine g in (-1, 1) in every cell and channel: three planes; or
      * NULL */
     const float *g;
-    /* for g NULL, one for all cells: the means of P_1 .. P_bands, in [-1, 1] */
+    /* for g NULL, one for all cells: the means of P_1 .. P_bands, in [-1, 1], the last < 1 */
     double legendre[AIR_DOM_BANDS_MAX];
 } air_dom_phase;
 
-/* Coefficients per metre, >= 0: three planes of size[0] * size[1] * size[2] numbers, one per
- * channel; copied. The solution stays: the next solve starts from it. AIR_ERROR_ARGUMENT names the
- * first number that is out of range; the medium is then as before. */
+/* Coefficients per metre, >= 0 and together <= 1e9: three planes of size[0] * size[1] * size[2]
+ * numbers, one per channel; copied. The solution stays: the next solve starts from it.
+ * AIR_ERROR_ARGUMENT names the first number that is out of range; the medium is then as before. */
 AIR_API air_status air_dom_set_medium(air_dom *dom, const float *sigma_s, const float *sigma_a,
                                       const air_dom_phase *phase);
 
@@ -76,15 +78,33 @@ AIR_API air_status air_dom_set_medium(air_dom *dom, const float *sigma_s, const 
  * delta-M; else 0. Unscattered light must be attenuated by sigma_s (1 - peak) + sigma_a. */
 AIR_API double air_dom_peak(const air_dom_params *params, double last_legendre);
 
-/* Moments of the unscattered radiance, mean over each cell; copied. 0 after creation. */
+/* Moments of the unscattered radiance, mean over each cell; copied. NULL: 0, as after creation.
+ * AIR_ERROR_ARGUMENT names the first that is larger than 1e15, or is a fluence below 0; the light
+ * is then as before. Whether a solve has come to an end is seen for light above 1e-12 or so. */
 AIR_API air_status air_dom_set_light(air_dom *dom, const float *moments);
 
 /* Light that enters through the boundary and is followed like what was scattered, on the faces
  * whose bits are set: 1 << 0 .. 5 for -x, +x, -y, +y, -z, +z. The radiance along every direction
  * is the sum of bands * bands moments (moment-major, stride 4), where that is positive. NULL: none,
  * as after creation. It is how solvers in harmonics alone treat beams; unscattered light is better
- * (air_dom_set_light). */
+ * (air_dom_set_light). AIR_ERROR_ARGUMENT: likewise, or another bit is set. */
 AIR_API air_status air_dom_set_inflow(air_dom *dom, const float *moments, uint32_t faces);
+
+/* ---- what solvers in harmonics alone do, to compare with ---- */
+
+/* First differences, no delta-M, the fewest directions for the bands (1..AIR_DOM_BANDS_MAX); size
+ * and edges stay. */
+AIR_API void air_dom_params_shdom(air_dom_params *params, int bands);
+
+/* Moments of a beam's radiance (bands * bands, stride 4), for air_dom_set_inflow: those of a Dirac
+ * along the unit direction of travel `dir`, with a Hanning window (1 + cos(pi l / bands)) / 2
+ * against ringing. irradiance: across the beam, of three channels. lobe: mean cosine of a light
+ * that is spread like Henyey and Greenstein's phase function, 1 for a beam. Of several lights the
+ * moments are added up. */
+AIR_API void air_dom_hanning_beam(int bands, const double dir[3], const double irradiance[3],
+                                  double lobe, float *out_moments);
+
+/* ---- solving ---- */
 
 typedef struct air_dom_solve_params {
     uint32_t sweeps; /* at most, >= 1; default 32 */

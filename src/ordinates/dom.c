@@ -25,16 +25,20 @@ double air_dom_peak(const air_dom_params *params, double last_legendre)
     return params->delta_m ? fmax(last_legendre, 0.0) : 0.0;
 }
 
+/* Numbers of this size and their squares, products and sums stay far from floats' ends. */
+static const double edge_least = 1e-6, edge_most = 1e6, sigma_most = 1e9, moment_most = 1e15;
+
 static air_status check(air_context *context, const air_dom_params *p)
 {
     for (int axis = 0; axis < 3; axis++) {
-        if (p->size[axis] < 1 || p->size[axis] > AIR_DOM_SIZE_MAX || !(p->cell_m[axis] > 0.0f) ||
-            !isfinite(p->cell_m[axis])) {
+        const double edge = (double)p->cell_m[axis];
+        if (p->size[axis] < 1 || p->size[axis] > AIR_DOM_SIZE_MAX || !(edge >= edge_least) ||
+            !(edge <= edge_most)) {
             return air_fail(context, AIR_ERROR_ARGUMENT,
-                            "discrete ordinates: %zu cells of %g m along %c: expected 1 to %d of a "
-                            "positive edge",
-                            p->size[axis], (double)p->cell_m[axis], "xyz"[axis],
-                            (int)AIR_DOM_SIZE_MAX);
+                            "discrete ordinates: %zu cells of %g m along %c: expected 1 to %d of "
+                            "%g to %g m",
+                            p->size[axis], edge, "xyz"[axis], (int)AIR_DOM_SIZE_MAX, edge_least,
+                            edge_most);
         }
     }
     if (p->bands < 1 || p->bands > AIR_DOM_BANDS_MAX) {
@@ -42,15 +46,15 @@ static air_status check(air_context *context, const air_dom_params *p)
                         "discrete ordinates: %d bands: expected 1 to %d", p->bands,
                         (int)AIR_DOM_BANDS_MAX);
     }
-    if (p->polar % 2 != 0 || p->polar < p->bands || p->polar < 2 || p->polar > 64 ||
+    if (p->polar % 2 != 0 || p->polar < p->bands || p->polar < 2 || p->polar > AIR_DOM_POLAR_MAX ||
         p->azimuths % 4 != 0 || p->azimuths < 2 * p->bands || p->azimuths < 4 ||
-        p->azimuths > 128) {
+        p->azimuths > 2 * AIR_DOM_POLAR_MAX) {
         return air_fail(
             context, AIR_ERROR_ARGUMENT,
-            "discrete ordinates: %d x %d directions for %d bands: expected an even "
-            "number of polar ones, at least as many as bands, and a multiple of 4 round "
-            "the axis, at least twice as many",
-            p->polar, p->azimuths, p->bands);
+            "discrete ordinates: %d x %d directions for %d bands: expected an even number of polar "
+            "ones, at least as many as bands and at most %d, and a multiple of 4 round the axis, "
+            "at least twice as many as bands and at most %d",
+            p->polar, p->azimuths, p->bands, (int)AIR_DOM_POLAR_MAX, 2 * (int)AIR_DOM_POLAR_MAX);
     }
     return AIR_OK;
 }
@@ -69,12 +73,12 @@ size_t air_dom_bytes(const air_dom_params *p, int depth)
     const double cells = (double)p->size[0] * (double)p->size[1] * (double)p->size[2];
     const double moments = 4.0 * p->bands * p->bands, row = 4.0 * direction_count(p);
     const double histories = depth > 0 ? 3.0 + 2.0 * depth : 0.0;
-    const double faces = (double)p->size[0] * (1.0 + (double)p->size[1]);
+    const double faces = (double)p->size[0] * (1.0 + (double)p->size[1]) + (double)p->size[1];
     const double numbers =
         cells * ((3.0 + histories) * moments + 8.0 * row + 12.0 + 4.0 * p->bands) +
         8.0 * faces * row;
-    const double bytes = numbers * sizeof(float) + cells * 4.0 * sizeof(float);
-    return bytes < 0x1p62 ? (size_t)bytes : SIZE_MAX;
+    const double bytes = (numbers + 4.0 * cells) * sizeof(float) + 24.0 * row * sizeof(double);
+    return bytes < 0.5 * (double)SIZE_MAX ? (size_t)bytes : SIZE_MAX;
 }
 
 bool dom_array_make(air_dom *dom, size_t count, dom_array *out)
@@ -95,7 +99,7 @@ bool dom_array_make(air_dom *dom, size_t count, dom_array *out)
 
 static bool make_arrays(air_dom *dom)
 {
-    const size_t cells = dom->cells, row = dom->row, n = dom->params.size[0];
+    const size_t cells = dom->cells, row = dom->row, *const n = dom->params.size;
     const size_t moments = (size_t)dom->moments, all = cells * moments * AIR_DOM_STRIDE;
     const size_t bands = (size_t)dom->params.bands;
     bool made = true;
@@ -113,18 +117,20 @@ static bool make_arrays(air_dom *dom)
     made = made && dom_array_make(dom, all, &dom->field);
     made = made && dom_array_make(dom, all, &dom->next);
     made = made && dom_array_make(dom, DOM_OCTANTS * dom->octant, &dom->radiance);
-    made = made && dom_array_make(dom, DOM_OCTANTS * n * row, &dom->face[1]);
-    made = made && dom_array_make(dom, DOM_OCTANTS * dom->slab * row, &dom->face[2]);
-    made = made && dom_array_make(dom, DOM_OCTANTS * 3 * row, &dom->leaving);
+    made = made && dom_array_make(dom, DOM_OCTANTS * n[1] * row, &dom->face_x);
+    made = made && dom_array_make(dom, DOM_OCTANTS * n[0] * row, &dom->face_y);
+    made = made && dom_array_make(dom, DOM_OCTANTS * dom->slab * row, &dom->face_z);
     made = made && dom_array_make(dom, DOM_OCTANTS * row, &dom->inflow);
+    dom->leaving = air_allocate(dom->context, DOM_OCTANTS * 3 * row, sizeof *dom->leaving);
     dom->peak = air_allocate(dom->context, cells * AIR_DOM_STRIDE, sizeof *dom->peak);
-    dom->sums = air_allocate(dom->context, dom->params.size[2], sizeof *dom->sums);
+    dom->sums = air_allocate(dom->context, n[2], sizeof *dom->sums);
     for (int axis = 0; axis < 3; axis++) {
         dom->dir[axis] = air_allocate(dom->context, (size_t)dom->directions, sizeof(double));
         made = made && dom->dir[axis] != NULL;
     }
     dom->weight = air_allocate(dom->context, (size_t)dom->directions, sizeof(double));
-    return made && dom->weight != NULL && dom->peak != NULL && dom->sums != NULL;
+    return made && dom->weight != NULL && dom->leaving != NULL && dom->peak != NULL &&
+           dom->sums != NULL;
 }
 
 /* ---- directions ---- */
@@ -132,7 +138,7 @@ static bool make_arrays(air_dom *dom)
 static void make_directions(air_dom *dom)
 {
     const int polar = dom->params.polar, quarter = dom->params.azimuths / 4;
-    double nodes[64], weights[64];
+    double nodes[AIR_DOM_POLAR_MAX], weights[AIR_DOM_POLAR_MAX];
     air_gauss_legendre((size_t)polar, nodes, weights);
     for (int o = 0; o < dom->directions; o++) {
         const bool real = o < polar / 2 * quarter;
@@ -226,7 +232,8 @@ air_status air_dom_create(air_context *context, const air_dom_params *params, ai
     if (status != AIR_OK) {
         return status;
     }
-    air_dom *const dom = air_allocate(context, 1, sizeof *dom);
+    const bool countable = air_dom_bytes(params, 0) < SIZE_MAX / sizeof(double);
+    air_dom *const dom = countable ? air_allocate(context, 1, sizeof *dom) : NULL;
     if (dom == NULL) {
         return air_fail_memory(context, "discrete ordinates");
     }
@@ -267,6 +274,7 @@ void air_dom_destroy(air_dom *dom)
     }
     air_free(dom->context, dom->weight);
     air_free(dom->context, dom->history.dots);
+    air_free(dom->context, dom->leaving);
     air_free(dom->context, dom->peak);
     air_free(dom->context, dom->sums);
     air_free(dom->context, dom);
@@ -280,18 +288,21 @@ static air_status check_medium(const air_dom *dom, const float *sigma_s, const f
     for (size_t i = 0; i < 3 * dom->cells; i++) {
         const double s = (double)sigma_s[i], a = (double)sigma_a[i];
         const double g = phase->g != NULL ? (double)phase->g[i] : 0.0;
-        if (!(s >= 0.0) || !(a >= 0.0) || !isfinite(s + a) || !(fabs(g) < 1.0)) {
+        if (!(s >= 0.0) || !(a >= 0.0) || !(s + a <= sigma_most) || !(fabs(g) < 1.0)) {
             return air_fail(dom->context, AIR_ERROR_ARGUMENT,
                             "discrete ordinates: cell %zu, channel %zu: sigma_s %g, sigma_a %g, g "
-                            "%g: expected finite numbers >= 0 and g between -1 and 1",
-                            i % dom->cells, i / dom->cells, s, a, g);
+                            "%g: expected numbers >= 0 that add up to at most %g, and g between -1 "
+                            "and 1",
+                            i % dom->cells, i / dom->cells, s, a, g, sigma_most);
         }
     }
-    for (int l = 0; phase->g == NULL && l < dom->params.bands; l++) {
-        if (!(fabs(phase->legendre[l]) <= 1.0)) {
+    for (int l = 1; phase->g == NULL && l <= dom->params.bands; l++) {
+        const double mean = phase->legendre[l - 1];
+        if (!(fabs(mean) <= 1.0) || (l == dom->params.bands && !(mean < 1.0))) {
             return air_fail(dom->context, AIR_ERROR_ARGUMENT,
-                            "discrete ordinates: the mean of P_%d is %g: expected -1 to 1", l + 1,
-                            phase->legendre[l]);
+                            "discrete ordinates: the mean of P_%d is %g: expected -1 to 1, of the "
+                            "last less than 1",
+                            l, mean);
         }
     }
     return AIR_OK;
@@ -368,39 +379,55 @@ static size_t moment_place(const air_dom *dom, size_t i, size_t m)
     return i + ((size_t)dom->order[m] - m) * AIR_DOM_STRIDE;
 }
 
-static air_status copy_in(const air_dom *dom, const float *from, size_t count, dom_array *out,
-                          const char *what)
+/* Are these cells' moments of a size that can be reckoned with? */
+static air_status check_moments(const air_dom *dom, const float *moments, size_t cells,
+                                const char *what)
 {
-    for (size_t i = 0; i < count; i++) {
-        if (!isfinite(from[i])) {
+    const size_t count = (size_t)dom->moments;
+    for (size_t i = 0; i < cells * count * AIR_DOM_STRIDE; i++) {
+        const double value = (double)moments[i];
+        const size_t c = i % AIR_DOM_STRIDE, m = i / AIR_DOM_STRIDE % count;
+        if (c < 3 && !(fabs(value) <= moment_most)) {
             return air_fail(dom->context, AIR_ERROR_ARGUMENT,
-                            "discrete ordinates: %s: moment %zu is not a finite number", what, i);
+                            "discrete ordinates: %s: cell %zu, moment %zu, channel %zu is %g: "
+                            "expected at most %g in size",
+                            what, i / AIR_DOM_STRIDE / count, m, c, value, moment_most);
         }
-    }
-    for (size_t i = 0; i < count; i++) {
-        const size_t c = i % AIR_DOM_STRIDE, m = i / AIR_DOM_STRIDE % (size_t)dom->moments;
-        dom_put(dom, out, i, c == 3 ? 0.0 : (double)from[moment_place(dom, i, m)]);
+        if (c < 3 && m == 0 && value < 0.0) {
+            return air_fail(dom->context, AIR_ERROR_ARGUMENT,
+                            "discrete ordinates: %s: cell %zu, moment 0, channel %zu is %g: "
+                            "expected fluence, >= 0",
+                            what, i / AIR_DOM_STRIDE / count, c, value);
+        }
     }
     return AIR_OK;
 }
 
 air_status air_dom_set_light(air_dom *dom, const float *moments)
 {
-    return copy_in(dom, moments, dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE, &dom->light,
-                   "light");
+    const size_t count = dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE;
+    const air_status status =
+        moments != NULL ? check_moments(dom, moments, dom->cells, "light") : AIR_OK;
+    for (size_t i = 0; i < count && status == AIR_OK; i++) {
+        const size_t c = i % AIR_DOM_STRIDE, m = i / AIR_DOM_STRIDE % (size_t)dom->moments;
+        dom_put(dom, &dom->light, i,
+                moments == NULL || c == 3 ? 0.0 : (double)moments[moment_place(dom, i, m)]);
+    }
+    return status;
 }
 
 air_status air_dom_set_inflow(air_dom *dom, const float *moments, uint32_t faces)
 {
-    const size_t count = (size_t)dom->moments * AIR_DOM_STRIDE;
     double y[DOM_MOMENTS_MAX];
-    for (size_t i = 0; moments != NULL && i < count; i++) {
-        if (!isfinite(moments[i])) {
-            return air_fail(dom->context, AIR_ERROR_ARGUMENT,
-                            "discrete ordinates: inflow: moment %zu is not a finite number", i);
-        }
+    if (faces > 63u) {
+        return air_fail(dom->context, AIR_ERROR_ARGUMENT,
+                        "discrete ordinates: inflow: faces %u: expected bits 0 to 5", faces);
     }
-    dom->inflow_faces = moments != NULL ? faces & 63u : 0u;
+    const air_status status = moments != NULL ? check_moments(dom, moments, 1, "inflow") : AIR_OK;
+    if (status != AIR_OK) {
+        return status;
+    }
+    dom->inflow_faces = moments != NULL ? faces : 0u;
     for (int octant = 0; octant < DOM_OCTANTS && moments != NULL; octant++) {
         for (int o = 0; o < dom->directions; o++) {
             double dir[3];
@@ -441,12 +468,10 @@ void air_dom_scattered(const air_dom *dom, float *out)
             for (size_t c = 0; c < AIR_DOM_STRIDE; c++) {
                 const size_t i = (cell * (size_t)dom->moments + (size_t)m) * AIR_DOM_STRIDE + c;
                 const double peak = (double)dom->peak[cell * AIR_DOM_STRIDE + c];
-                const double g = dom->uniform
-                                     ? scaled_legendre(dom->legendre[l], peak)
-                                     : dom_get(dom, &dom->phase,
-                                               (cell * (size_t)bands + l) * AIR_DOM_STRIDE + c);
-                out[moment_place(dom, i, (size_t)m)] =
-                    (float)((1.0 - peak) * g * dom_get(dom, &dom->field, i));
+                const size_t at = (cell * (size_t)bands + l) * AIR_DOM_STRIDE + c;
+                const double g = dom->uniform ? dom->legendre[l] - peak
+                                              : (1.0 - peak) * dom_get(dom, &dom->phase, at);
+                out[moment_place(dom, i, (size_t)m)] = (float)(g * dom_get(dom, &dom->field, i));
             }
         }
     }

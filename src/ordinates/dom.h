@@ -41,7 +41,7 @@ typedef struct dom_sums {
 
 /* Anderson's acceleration: the last steps' differences. Made by the first solve that needs them. */
 typedef struct dom_history {
-    int depth, count, next_slot;
+    int count, next_slot;
     dom_array residual, last_residual, last_next;
     dom_array residuals[AIR_DOM_DEPTH_MAX], nexts[AIR_DOM_DEPTH_MAX];
     double gram[AIR_DOM_DEPTH_MAX][AIR_DOM_DEPTH_MAX], right[AIR_DOM_DEPTH_MAX];
@@ -65,8 +65,7 @@ struct air_dom {
     int order[DOM_MOMENTS_MAX];    /* moments by class */
     int class_of[DOM_MOMENTS_MAX]; /* of order[m] */
     int band_of[DOM_MOMENTS_MAX];
-    int class_begin[DOM_OCTANTS + 1]; /* in order */
-    double *dir[3], *weight;          /* of the first octant's directions */
+    double *dir[3], *weight; /* of the first octant's directions */
     /* Per moment (in order) and direction, times 4 channels: y_lm, with g_l where that is uniform;
      * and weight times y_lm. */
     dom_array emitting, gathering;
@@ -82,8 +81,10 @@ struct air_dom {
     dom_array light;       /* [cell][moments][4] */
     dom_array field, next; /* likewise; next: what a sweep makes of field */
     dom_array radiance;    /* octant * [cell][row]: sources, then radiances */
-    dom_array face[3];     /* what arrives: x unused, y [octant][i][row], z [octant][j][i][row] */
-    dom_array leaving;     /* [octant][axis][row]: sums over the far faces */
+    dom_array face_x;      /* what leaves a slab's rows: [octant][j][row] */
+    dom_array face_y;      /* what arrives from the row before: [octant][i][row] */
+    dom_array face_z;      /* from the slab before: [octant][j][i][row] */
+    double *leaving;       /* [octant][axis][row]: sums over the far faces */
     dom_array inflow;      /* [octant][row] radiance */
     uint32_t inflow_faces;
     dom_sums *sums; /* of each k */

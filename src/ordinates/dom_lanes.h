@@ -210,9 +210,9 @@ static void sweep_row(air_dom *dom, int octant, size_t j, size_t k)
     const bool lit = (dom->inflow_faces >> (octant & 1)) & 1u;
     const size_t first = k * dom->slab + j * n;
     float *const radiance = dom->radiance.f + dom_radiance(dom, (size_t)octant, first);
-    float *const leaving = dom->leaving.f + (size_t)octant * 3 * row;
-    float *const face_y = dom->face[1].f + (size_t)octant * n * row;
-    float *const face_z = dom->face[2].f + ((size_t)octant * dom->slab + j * n) * row;
+    float *const face_x = dom->face_x.f + ((size_t)octant * dom->params.size[1] + j) * row;
+    float *const face_y = dom->face_y.f + (size_t)octant * n * row;
+    float *const face_z = dom->face_z.f + ((size_t)octant * dom->slab + j * n) * row;
     for (size_t o = 0; o < row; o += LANES) {
         slopes s = {lanes_load(dom->slope[0].f + o), lanes_load(dom->slope[1].f + o),
                     lanes_load(dom->slope[2].f + o), lanes_all(0.0f)};
@@ -225,7 +225,7 @@ static void sweep_row(air_dom *dom, int octant, size_t j, size_t k)
                                         face_y + at, face_z + at);
             lanes_store(radiance + at, psi);
         }
-        lanes_store(leaving + o, lanes_load(leaving + o) + x);
+        lanes_store(face_x + o, x);
     }
 }
 
@@ -243,11 +243,16 @@ static void enter(const air_dom *dom, int octant, int axis, float *face, size_t 
     }
 }
 
-static void leave(const air_dom *dom, float *sum, const float *face, size_t places)
+/* Adds up what leaves at a line of places, which is short enough for floats. */
+static void leave(const air_dom *dom, double *sum, const float *face, size_t places)
 {
-    for (size_t i = 0; i < places; i++) {
-        for (size_t o = 0; o < dom->row; o += LANES) {
-            lanes_store(sum + o, lanes_load(sum + o) + lanes_load(face + i * dom->row + o));
+    for (size_t o = 0; o < dom->row; o += LANES) {
+        lanes part = lanes_all(0.0f);
+        for (size_t i = 0; i < places; i++) {
+            part += lanes_load(face + i * dom->row + o);
+        }
+        for (int lane = 0; lane < LANES; lane++) {
+            sum[o + (size_t)lane] += (double)part[lane];
         }
     }
 }
@@ -255,9 +260,9 @@ static void leave(const air_dom *dom, float *sum, const float *face, size_t plac
 static void sweep(air_dom *dom, int octant)
 {
     const size_t *const n = dom->params.size, row = dom->row;
-    float *const leaving = dom->leaving.f + (size_t)octant * 3 * row;
-    float *const face_y = dom->face[1].f + (size_t)octant * n[0] * row;
-    float *const face_z = dom->face[2].f + (size_t)octant * dom->slab * row;
+    double *const leaving = dom->leaving + (size_t)octant * 3 * row;
+    float *const face_y = dom->face_y.f + (size_t)octant * n[0] * row;
+    float *const face_z = dom->face_z.f + (size_t)octant * dom->slab * row;
     memset(leaving, 0, 3 * row * sizeof *leaving);
     enter(dom, octant, 2, face_z, dom->slab);
     for (size_t slab = 0; slab < n[2]; slab++) {
@@ -266,9 +271,12 @@ static void sweep(air_dom *dom, int octant)
         for (size_t line = 0; line < n[1]; line++) {
             sweep_row(dom, octant, (octant & 2) != 0 ? n[1] - 1 - line : line, k);
         }
+        leave(dom, leaving, dom->face_x.f + (size_t)octant * n[1] * row, n[1]);
         leave(dom, leaving + row, face_y, n[0]);
     }
-    leave(dom, leaving + 2 * row, face_z, dom->slab);
+    for (size_t j = 0; j < n[1]; j++) {
+        leave(dom, leaving + 2 * row, face_z + j * n[0] * row, n[0]);
+    }
 }
 
 /* ---- moments ---- */

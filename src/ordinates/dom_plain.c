@@ -107,9 +107,9 @@ static double pass_cell(const air_dom *dom, size_t o, double source, double sigm
 static void sweep_row(air_dom *dom, int octant, size_t j, size_t k)
 {
     const size_t n = dom->params.size[0], row = dom->row;
-    double *const leaving = dom->leaving.d + (size_t)octant * 3 * row;
-    double *const face_y = dom->face[1].d + (size_t)octant * n * row;
-    double *const face_z = dom->face[2].d + ((size_t)octant * dom->slab + j * n) * row;
+    double *const face_x = dom->face_x.d + ((size_t)octant * dom->params.size[1] + j) * row;
+    double *const face_y = dom->face_y.d + (size_t)octant * n * row;
+    double *const face_z = dom->face_z.d + ((size_t)octant * dom->slab + j * n) * row;
     const bool lit = (dom->inflow_faces >> (octant & 1)) & 1u;
     for (size_t o = 0; o < row; o++) {
         double in[3] = {lit ? dom->inflow.d[(size_t)octant * row + o] : 0.0, 0.0, 0.0};
@@ -124,7 +124,7 @@ static void sweep_row(air_dom *dom, int octant, size_t j, size_t k)
             face_y[i * row + o] = in[1];
             face_z[i * row + o] = in[2];
         }
-        leaving[o] += in[0];
+        face_x[o] = in[0];
     }
 }
 
@@ -148,9 +148,9 @@ static void leave(const air_dom *dom, double *sum, const double *face, size_t pl
 static void sweep(air_dom *dom, int octant)
 {
     const size_t *const n = dom->params.size, row = dom->row;
-    double *const leaving = dom->leaving.d + (size_t)octant * 3 * row;
-    double *const face_y = dom->face[1].d + (size_t)octant * n[0] * row;
-    double *const face_z = dom->face[2].d + (size_t)octant * dom->slab * row;
+    double *const leaving = dom->leaving + (size_t)octant * 3 * row;
+    double *const face_y = dom->face_y.d + (size_t)octant * n[0] * row;
+    double *const face_z = dom->face_z.d + (size_t)octant * dom->slab * row;
     for (size_t o = 0; o < 3 * row; o++) {
         leaving[o] = 0.0;
     }
@@ -161,6 +161,7 @@ static void sweep(air_dom *dom, int octant)
         for (size_t line = 0; line < n[1]; line++) {
             sweep_row(dom, octant, (octant & 2) != 0 ? n[1] - 1 - line : line, k);
         }
+        leave(dom, leaving, dom->face_x.d + (size_t)octant * n[1] * row, n[1]);
         leave(dom, leaving + row, face_y, n[0]);
     }
     leave(dom, leaving + 2 * row, face_z, dom->slab);

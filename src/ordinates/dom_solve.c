@@ -62,24 +62,30 @@ static void swap(dom_array *a, dom_array *b)
 
 /* ---- acceleration ---- */
 
+/* An array that a solve before, or one that ended for lack of memory, may have made. */
+static bool have_array(air_dom *dom, dom_array *array)
+{
+    const size_t all = dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE;
+    return array->any != NULL || dom_array_make(dom, all, array);
+}
+
 static air_status make_history(air_dom *dom, int depth)
 {
     dom_history *const h = &dom->history;
-    const size_t all = dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE;
     bool made = true;
-    if (depth > 0 && h->dots == NULL) {
-        made = dom_array_make(dom, all, &h->residual) &&
-               dom_array_make(dom, all, &h->last_residual) &&
-               dom_array_make(dom, all, &h->last_next);
+    h->count = h->next_slot = 0;
+    if (depth == 0) {
+        return AIR_OK;
+    }
+    if (h->dots == NULL) {
         h->dots = air_allocate(dom->context, dom->params.size[2],
                                2 * AIR_DOM_DEPTH_MAX * sizeof *h->dots);
-        made = made && h->dots != NULL;
     }
-    for (; made && h->depth < depth; h->depth++) {
-        made = dom_array_make(dom, all, &h->residuals[h->depth]) &&
-               dom_array_make(dom, all, &h->nexts[h->depth]);
+    made = h->dots != NULL && have_array(dom, &h->residual) && have_array(dom, &h->last_residual) &&
+           have_array(dom, &h->last_next);
+    for (int i = 0; i < depth && made; i++) {
+        made = have_array(dom, &h->residuals[i]) && have_array(dom, &h->nexts[i]);
     }
-    h->count = h->next_slot = 0;
     return made ? AIR_OK : air_fail_memory(dom->context, "discrete ordinates");
 }
 
@@ -171,6 +177,12 @@ static void mix_slab(void *user, size_t k, size_t worker)
     dom_slab_range(dom, k, &begin, &end);
     dom->kernel->combine(&dom->next, dom->history.nexts, self->factors, self->count, &dom->field,
                          begin, end);
+    /* Extrapolated fluence may be negative, which no source can be. */
+    for (; begin < end; begin += (size_t)dom->moments * AIR_DOM_STRIDE) {
+        for (size_t c = 0; c < 3; c++) {
+            dom_put(dom, &dom->field, begin + c, fmax(dom_get(dom, &dom->field, begin + c), 0.0));
+        }
+    }
 }
 
 /* field = the combination of the last results whose residual is least. */
@@ -216,8 +228,7 @@ static void add_boundary(const air_dom *dom, size_t c, air_dom_books *books)
             for (int o = 0; o < dom->directions; o++) {
                 const size_t at = (size_t)o * AIR_DOM_STRIDE + c;
                 const double share = dom->weight[o] * dom->dir[axis][o] * face_area(dom, axis);
-                out += share * dom_get(dom, &dom->leaving,
-                                       ((size_t)octant * 3 + (size_t)axis) * dom->row + at);
+                out += share * dom->leaving[((size_t)octant * 3 + (size_t)axis) * dom->row + at];
                 in += share * dom_get(dom, &dom->inflow, (size_t)octant * dom->row + at);
             }
             books->out[2 * axis + 1 - side] += out;
