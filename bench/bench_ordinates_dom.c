@@ -195,7 +195,7 @@ static void run_phase(air_dom *dom, int phase)
 {
     for (size_t k = 0; k < dom->params.size[2] && phase != 1; k++) {
         if (phase == 0) {
-            dom->kernel->emit(dom, k);
+            dom->kernel->emit(dom, &dom->field, k);
         } else {
             dom->kernel->gather(dom, k);
         }

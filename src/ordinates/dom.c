@@ -108,7 +108,7 @@ static bool make_arrays(air_dom *dom)
     }
     made = made && dom_array_make(dom, row, &dom->weights);
     made = made && dom_array_make(dom, row * moments, &dom->emitting);
-    made = made && dom_array_make(dom, row * moments, &dom->gathering);
+    made = made && dom_array_make(dom, row * (moments + 3), &dom->gathering);
     made = made && dom_array_make(dom, cells * AIR_DOM_STRIDE, &dom->sigma_s);
     made = made && dom_array_make(dom, cells * AIR_DOM_STRIDE, &dom->sigma_t);
     made = made && dom_array_make(dom, cells * AIR_DOM_STRIDE, &dom->sigma_a);

@@ -62,8 +62,8 @@ struct air_dom {
     size_t octant;  /* numbers from one octant's radiance to the next's */
     bool uniform;   /* one phase function for all cells and channels: in `emitting` */
 
-    int order[DOM_MOMENTS_MAX];    /* moments by class */
-    int class_of[DOM_MOMENTS_MAX]; /* of order[m] */
+    int order[DOM_MOMENTS_MAX];        /* moments by class */
+    int class_of[DOM_MOMENTS_MAX + 3]; /* of order[m]; kernels go on to a multiple of 4 */
     int band_of[DOM_MOMENTS_MAX];
     double *dir[3], *weight; /* of the first octant's directions */
     /* Per moment (in order) and direction, times 4 channels: y_lm, with g_l where that is uniform;
@@ -96,13 +96,14 @@ struct air_dom {
 
 /* A version of the kernel: plain C in doubles, or lanes of floats. */
 typedef struct dom_kernel {
-    /* radiance = source of every direction, from field and light, in the cells of slab k. */
-    void (*emit)(struct air_dom *dom, size_t k);
+    /* radiance = source of every direction, from these moments and light, in the cells of slab k.
+     */
+    void (*emit)(struct air_dom *dom, const dom_array *field, size_t k);
     /* radiance = what the sources of an octant add up to. */
     void (*sweep)(struct air_dom *dom, int octant);
     /* next = moments of radiance in slab k; sums[k]. */
     void (*gather)(struct air_dom *dom, size_t k);
-    /* For Anderson's acceleration; arrays of `count` numbers. */
+    /* For Anderson's acceleration. dot: few enough for floats. */
     double (*dot)(const dom_array *a, const dom_array *b, size_t begin, size_t end);
     void (*subtract)(const dom_array *a, const dom_array *b, dom_array *out, size_t begin,
                      size_t end);

@@ -50,6 +50,8 @@ static inline void lanes_fold(const lanes *a, float *out)
 
 #endif
 
+#include "ordinates/dom_lanes_sweep.h"
+
 /* The sums of all eight, and their differences under mirrorings: its own inverse but for a factor
  * of eight. */
 static inline void transform_octants(lanes p[DOM_OCTANTS])
@@ -67,19 +69,21 @@ static inline void transform_octants(lanes p[DOM_OCTANTS])
 
 /* ---- sources ---- */
 
-/* What a cell's moments scatter, but for sigma_s, and g_l where that is uniform. */
-static inline void stage_moments(const air_dom *dom, size_t cell, int bands, float *out)
+/* What a cell's moments scatter, but for g_l where that is uniform. */
+static inline void stage_moments(const air_dom *dom, const float *moments, size_t cell, int bands,
+                                 float *out)
 {
     const size_t count = (size_t)(bands * bands) * CHANNELS;
-    const float *const field = dom->field.f + cell * count;
     const float *const light = dom->light.f + cell * count;
     const float *const phase = dom->phase.f + cell * (size_t)bands * CHANNELS;
+    const lanes sigma_s = lanes_repeat(dom->sigma_s.f + cell * CHANNELS);
+    const four sigma_s_4 = four_load(dom->sigma_s.f + cell * CHANNELS);
     size_t i = 0;
     for (; i + LANES <= count; i += LANES) {
-        lanes_store(out + i, lanes_load(field + i) + lanes_load(light + i));
+        lanes_store(out + i, (lanes_load(moments + i) + lanes_load(light + i)) * sigma_s);
     }
     for (; i < count; i += CHANNELS) {
-        four_store(out + i, four_load(field + i) + four_load(light + i));
+        four_store(out + i, (four_load(moments + i) + four_load(light + i)) * sigma_s_4);
     }
     for (i = 0; i < count && !dom->uniform; i += CHANNELS) {
         const four g = four_load(phase + dom->band_of[i / CHANNELS] * CHANNELS);
@@ -114,14 +118,15 @@ static void keep_positive(const air_dom *dom, size_t cell, const float *total)
     }
 }
 
-static inline void emit_cell(air_dom *dom, size_t cell, int bands)
+static inline void emit_cell(air_dom *dom, const float *moments, size_t cell, int bands)
 {
     const int *const begin = dom_class_begin[bands];
     float staged[DOM_MOMENTS_MAX * CHANNELS], total[CHANNELS];
-    const lanes sigma_s = lanes_repeat(dom->sigma_s.f + cell * CHANNELS), zero = lanes_all(0.0f);
+    const lanes zero = lanes_all(0.0f);
     lanes least = zero;
-    stage_moments(dom, cell, bands, staged);
+    stage_moments(dom, moments, cell, bands, staged);
     for (size_t o = 0; o < dom->row; o += LANES) {
+        float *const radiance = dom->radiance.f + dom_radiance(dom, 0, cell) + o;
         lanes p[DOM_OCTANTS];
 #pragma GCC unroll 8
         for (int class = 0; class < DOM_OCTANTS; class ++) {
@@ -130,192 +135,112 @@ static inline void emit_cell(air_dom *dom, size_t cell, int bands)
                 p[class] = lanes_madd(lanes_load(dom->emitting.f + (size_t)m * dom->row + o),
                                       lanes_repeat(staged + m * CHANNELS), p[class]);
             }
-            p[class] = p[class] * sigma_s;
         }
         transform_octants(p);
+#pragma GCC unroll 8
         for (size_t octant = 0; octant < DOM_OCTANTS; octant++) {
             least = lanes_min(least, p[octant]);
-            lanes_store(dom->radiance.f + dom_radiance(dom, octant, cell) + o, p[octant]);
+            lanes_store(radiance + octant * dom->octant, p[octant]);
         }
     }
     if (mask_any(lanes_less(least, zero))) {
         for (int c = 0; c < CHANNELS; c++) {
-            total[c] = 3.5449077f * staged[c] * dom->sigma_s.f[cell * CHANNELS + (size_t)c];
+            total[c] = 3.5449077f * staged[c];
         }
         keep_positive(dom, cell, total);
     }
 }
 
 /* The usual number of bands is written out, so that its loops have constant bounds. */
-static void emit(air_dom *dom, size_t k)
+static void emit(air_dom *dom, const dom_array *field, size_t k)
 {
+    const size_t count = (size_t)dom->moments * CHANNELS;
     for (size_t cell = k * dom->slab; cell < (k + 1) * dom->slab; cell++) {
         if (dom->params.bands == 4) {
-            emit_cell(dom, cell, 4);
+            emit_cell(dom, field->f + cell * count, cell, 4);
         } else {
-            emit_cell(dom, cell, dom->params.bands);
+            emit_cell(dom, field->f + cell * count, cell, dom->params.bands);
         }
-    }
-}
-
-/* ---- sweeps ---- */
-
-typedef struct slopes {
-    lanes x, y, z, sum; /* 2 |O| / cell_m */
-} slopes;
-
-/* Steps where diamond differences left a negative number. */
-static lanes step_instead(const slopes *s, lanes source, lanes sigma_t, lane_mask negative,
-                          const lanes in[3], lanes psi, lanes out[3])
-{
-    const lanes half = lanes_all(0.5f);
-    const lanes arrived = lanes_madd(s->x, in[0], lanes_madd(s->y, in[1], s->z * in[2]));
-    const lanes step =
-        lanes_madd(half, arrived, source) * lanes_inverse(lanes_madd(half, s->sum, sigma_t));
-    for (int axis = 0; axis < 3; axis++) {
-        out[axis] = lanes_select(negative, step, out[axis]);
-    }
-    return lanes_select(negative, step, psi);
-}
-
-static inline lanes pass_cell(const slopes *s, bool diamond, lanes source, lanes sigma_t, lanes *x,
-                              float *y, float *z)
-{
-    const lanes zero = lanes_all(0.0f), two = lanes_all(2.0f);
-    const lanes in[3] = {*x, lanes_load(y), lanes_load(z)};
-    const lanes inverse = lanes_inverse(sigma_t + s->sum);
-    const lanes rest = lanes_madd(s->y, in[1], lanes_madd(s->z, in[2], source));
-    lanes psi = lanes_madd(s->x, in[0], rest) * inverse, out[3];
-    lane_mask negative = lanes_less(zero, lanes_all(1.0f));
-    for (int axis = 0; axis < 3; axis++) {
-        out[axis] = lanes_madd(two, psi, zero - in[axis]);
-    }
-    if (diamond) {
-        negative = lanes_less(lanes_min(out[0], lanes_min(out[1], out[2])), zero);
-    }
-    if (mask_any(negative)) {
-        psi = step_instead(s, source, sigma_t, negative, in, psi, out);
-    }
-    *x = out[0];
-    lanes_store(y, out[1]);
-    lanes_store(z, out[2]);
-    return psi;
-}
-
-/* A row along x, from the side that the octant's light comes from. */
-static void sweep_row(air_dom *dom, int octant, size_t j, size_t k)
-{
-    const size_t n = dom->params.size[0], row = dom->row;
-    const bool back = (octant & 1) != 0, diamond = dom->params.diamond;
-    const bool lit = (dom->inflow_faces >> (octant & 1)) & 1u;
-    const size_t first = k * dom->slab + j * n;
-    float *const radiance = dom->radiance.f + dom_radiance(dom, (size_t)octant, first);
-    float *const face_x = dom->face_x.f + ((size_t)octant * dom->params.size[1] + j) * row;
-    float *const face_y = dom->face_y.f + (size_t)octant * n * row;
-    float *const face_z = dom->face_z.f + ((size_t)octant * dom->slab + j * n) * row;
-    for (size_t o = 0; o < row; o += LANES) {
-        slopes s = {lanes_load(dom->slope[0].f + o), lanes_load(dom->slope[1].f + o),
-                    lanes_load(dom->slope[2].f + o), lanes_all(0.0f)};
-        lanes x = lit ? lanes_load(dom->inflow.f + (size_t)octant * row + o) : lanes_all(0.0f);
-        s.sum = s.x + s.y + s.z;
-        for (size_t step = 0; step < n; step++) {
-            const size_t i = back ? n - 1 - step : step, at = i * row + o;
-            const lanes sigma_t = lanes_repeat(dom->sigma_t.f + (first + i) * CHANNELS);
-            const lanes psi = pass_cell(&s, diamond, lanes_load(radiance + at), sigma_t, &x,
-                                        face_y + at, face_z + at);
-            lanes_store(radiance + at, psi);
-        }
-        lanes_store(face_x + o, x);
-    }
-}
-
-/* What enters through a face of the box, or nothing. */
-static void enter(const air_dom *dom, int octant, int axis, float *face, size_t places)
-{
-    const int side = octant >> axis & 1;
-    if (((dom->inflow_faces >> (2 * axis + side)) & 1u) == 0) {
-        memset(face, 0, places * dom->row * sizeof *face);
-        return;
-    }
-    for (size_t i = 0; i < places; i++) {
-        memcpy(face + i * dom->row, dom->inflow.f + (size_t)octant * dom->row,
-               dom->row * sizeof *face);
-    }
-}
-
-/* Adds up what leaves at a line of places, which is short enough for floats. */
-static void leave(const air_dom *dom, double *sum, const float *face, size_t places)
-{
-    for (size_t o = 0; o < dom->row; o += LANES) {
-        lanes part = lanes_all(0.0f);
-        for (size_t i = 0; i < places; i++) {
-            part += lanes_load(face + i * dom->row + o);
-        }
-        for (int lane = 0; lane < LANES; lane++) {
-            sum[o + (size_t)lane] += (double)part[lane];
-        }
-    }
-}
-
-static void sweep(air_dom *dom, int octant)
-{
-    const size_t *const n = dom->params.size, row = dom->row;
-    double *const leaving = dom->leaving + (size_t)octant * 3 * row;
-    float *const face_y = dom->face_y.f + (size_t)octant * n[0] * row;
-    float *const face_z = dom->face_z.f + (size_t)octant * dom->slab * row;
-    memset(leaving, 0, 3 * row * sizeof *leaving);
-    enter(dom, octant, 2, face_z, dom->slab);
-    for (size_t slab = 0; slab < n[2]; slab++) {
-        const size_t k = (octant & 4) != 0 ? n[2] - 1 - slab : slab;
-        enter(dom, octant, 1, face_y, n[0]);
-        for (size_t line = 0; line < n[1]; line++) {
-            sweep_row(dom, octant, (octant & 2) != 0 ? n[1] - 1 - line : line, k);
-        }
-        leave(dom, leaving, dom->face_x.f + (size_t)octant * n[1] * row, n[1]);
-        leave(dom, leaving + row, face_y, n[0]);
-    }
-    for (size_t j = 0; j < n[1]; j++) {
-        leave(dom, leaving + 2 * row, face_z + j * n[0] * row, n[0]);
     }
 }
 
 /* ---- moments ---- */
 
-static inline void gather_cell(air_dom *dom, size_t cell, int bands)
+/* Vectors of directions that are gathered at once. */
+enum { PORTION = 8 };
+
+/* The sums over octants of each class, for directions o on. */
+static inline void load_classes(const air_dom *dom, size_t cell, size_t o, lanes p[DOM_OCTANTS])
 {
-    const int *const begin = dom_class_begin[bands], moments = bands * bands;
-    lanes sums[DOM_MOMENTS_MAX + 3];
+    const float *const radiance = dom->radiance.f + dom_radiance(dom, 0, cell) + o;
+#pragma GCC unroll 8
+    for (size_t octant = 0; octant < DOM_OCTANTS; octant++) {
+        p[octant] = lanes_load(radiance + octant * dom->octant);
+    }
+    transform_octants(p);
+}
+
+/* Where directions of an octant fill one vector, and there are four bands. */
+static inline void gather_cell_4(air_dom *dom, size_t cell)
+{
+    static const int classes[16] = {0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 4, 4, 4, 5, 6, 7};
+    float *const next = dom->next.f + cell * 16 * CHANNELS;
+    lanes p[DOM_OCTANTS], sums[4];
+    load_classes(dom, cell, 0, p);
+#pragma GCC unroll 4
+    for (int m = 0; m < 16; m += 4) {
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; i++) {
+            sums[i] = lanes_load(dom->gathering.f + (m + i) * LANES) * p[classes[m + i]];
+        }
+        lanes_fold(sums, next + m * CHANNELS);
+    }
+}
+
+/* Adds to the sums over directions begin .. end, lane by lane, of four moments from m on. */
+static inline void gather_moments(const air_dom *dom, int m, size_t begin, size_t end,
+                                  lanes p[PORTION][DOM_OCTANTS], lanes sums[4])
+{
+    for (int i = 0; i < 4; i++) {
+        const float *const gathering = dom->gathering.f + (size_t)(m + i) * dom->row;
+        const int class = dom->class_of[m + i];
+        lanes sum = sums[i];
+        for (size_t o = begin; o < end; o += LANES) {
+            sum = lanes_madd(lanes_load(gathering + o), p[(o - begin) / LANES][class], sum);
+        }
+        sums[i] = sum;
+    }
+}
+
+static void gather_cell(air_dom *dom, size_t cell)
+{
+    const int moments = dom->moments;
+    lanes p[PORTION][DOM_OCTANTS], sums[DOM_MOMENTS_MAX + 3];
     float folded[4 * CHANNELS];
     float *const next = dom->next.f + cell * (size_t)moments * CHANNELS;
     for (int m = 0; m < moments + 3; m++) {
         sums[m] = lanes_all(0.0f);
     }
-    for (size_t o = 0; o < dom->row; o += LANES) {
-        lanes p[DOM_OCTANTS];
-        for (size_t octant = 0; octant < DOM_OCTANTS; octant++) {
-            p[octant] = lanes_load(dom->radiance.f + dom_radiance(dom, octant, cell) + o);
+    for (size_t begin = 0; begin < dom->row; begin += PORTION * LANES) {
+        const size_t left = dom->row - begin;
+        const size_t end = begin + (left < PORTION * LANES ? left : PORTION * LANES);
+        for (size_t o = begin; o < end; o += LANES) {
+            load_classes(dom, cell, o, p[(o - begin) / LANES]);
         }
-        transform_octants(p);
-#pragma GCC unroll 8
-        for (int class = 0; class < DOM_OCTANTS; class ++) {
-            for (int m = begin[class]; m < begin[class + 1]; m++) {
-                sums[m] = lanes_madd(lanes_load(dom->gathering.f + (size_t)m * dom->row + o),
-                                     p[class], sums[m]);
-            }
+        for (int m = 0; m < moments; m += 4) {
+            gather_moments(dom, m, begin, end, p, sums + m);
         }
     }
-    int m = 0;
-    for (; m + 4 <= moments; m += 4) {
-        lanes_fold(sums + m, next + m * CHANNELS);
-    }
-    if (m < moments) {
-        lanes_fold(sums + m, folded);
-        memcpy(next + m * CHANNELS, folded, (size_t)(moments - m) * sizeof(four));
+    for (int m = 0; m < moments; m += 4) {
+        const int count = moments - m < 4 ? moments - m : 4;
+        lanes_fold(sums + m, count == 4 ? next + m * CHANNELS : folded);
+        if (count < 4) {
+            memcpy(next + m * CHANNELS, folded, (size_t)count * sizeof(four));
+        }
     }
 }
 
-/* Squares of what a sweep changes in a slab, and of what it leaves; counts are multiples of four.
- */
+/* Squares of what a sweep changes, and of what it leaves; few enough for floats. */
 static dom_sums compare(const air_dom *dom, size_t begin, size_t end)
 {
     lanes change = lanes_all(0.0f), size = lanes_all(0.0f);
@@ -338,34 +263,47 @@ static dom_sums compare(const air_dom *dom, size_t begin, size_t end)
     return sums;
 }
 
+/* Compares line by line, while a line is near. */
 static void gather(air_dom *dom, size_t k)
 {
-    size_t begin, end;
-    dom_slab_range(dom, k, &begin, &end);
-    for (size_t cell = k * dom->slab; cell < (k + 1) * dom->slab; cell++) {
-        if (dom->params.bands == 4) {
-            gather_cell(dom, cell, 4);
-        } else {
-            gather_cell(dom, cell, dom->params.bands);
+    const size_t count = (size_t)dom->moments * CHANNELS, n = dom->params.size[0];
+    dom_sums sums = {0.0, 0.0};
+    for (size_t line = k * dom->slab; line < (k + 1) * dom->slab; line += n) {
+        for (size_t cell = line; cell < line + n; cell++) {
+            if (dom->params.bands == 4 && dom->row == LANES) {
+                gather_cell_4(dom, cell);
+            } else {
+                gather_cell(dom, cell);
+            }
         }
+        const dom_sums part = compare(dom, line * count, (line + n) * count);
+        sums.change += part.change;
+        sums.size += part.size;
     }
-    dom->sums[k] = compare(dom, begin, end);
+    dom->sums[k] = sums;
 }
 
 /* ---- vectors: counts are multiples of four ---- */
 
-/* In parts, so that what is summed in floats stays short. */
 static double dot(const dom_array *a, const dom_array *b, size_t begin, size_t end)
 {
-    enum { PART = 1024 };
+    const lanes zero = lanes_all(0.0f);
+    lanes sums[4] = {zero, zero, zero, zero};
     double total = 0.0;
-    for (size_t i = begin; i < end;) {
-        const size_t stop = end - i < PART ? end : i + PART;
-        four sum = {0.0f};
-        for (; i < stop; i += CHANNELS) {
-            sum += four_load(a->f + i) * four_load(b->f + i);
+    size_t i = begin;
+    for (; i + 4 * LANES <= end; i += 4 * LANES) {
+#pragma GCC unroll 4
+        for (size_t part = 0; part < 4; part++) {
+            const size_t at = i + part * LANES;
+            sums[part] = lanes_madd(lanes_load(a->f + at), lanes_load(b->f + at), sums[part]);
         }
-        total += (double)((sum[0] + sum[1]) + (sum[2] + sum[3]));
+    }
+    const lanes sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    for (int lane = 0; lane < LANES; lane++) {
+        total += (double)sum[lane];
+    }
+    for (; i < end; i++) {
+        total += (double)a->f[i] * (double)b->f[i];
     }
     return total;
 }
@@ -373,20 +311,36 @@ static double dot(const dom_array *a, const dom_array *b, size_t begin, size_t e
 static void subtract(const dom_array *a, const dom_array *b, dom_array *out, size_t begin,
                      size_t end)
 {
-    for (size_t i = begin; i < end; i += CHANNELS) {
-        four_store(out->f + i, four_load(a->f + i) - four_load(b->f + i));
+    size_t i = begin;
+    for (; i + LANES <= end; i += LANES) {
+        lanes_store(out->f + i, lanes_load(a->f + i) - lanes_load(b->f + i));
+    }
+    for (; i < end; i++) {
+        out->f[i] = a->f[i] - b->f[i];
     }
 }
 
 static void combine(const dom_array *a, const dom_array *parts, const double *factors, int count,
                     dom_array *out, size_t begin, size_t end)
 {
-    for (size_t i = begin; i < end; i += CHANNELS) {
-        four sum = four_load(a->f + i);
+    lanes factor[AIR_DOM_DEPTH_MAX];
+    size_t i = begin;
+    for (int part = 0; part < count; part++) {
+        factor[part] = lanes_all((float)factors[part]);
+    }
+    for (; i + LANES <= end; i += LANES) {
+        lanes sum = lanes_load(a->f + i);
         for (int part = 0; part < count; part++) {
-            sum -= (float)factors[part] * four_load(parts[part].f + i);
+            sum = lanes_nmadd(factor[part], lanes_load(parts[part].f + i), sum);
         }
-        four_store(out->f + i, sum);
+        lanes_store(out->f + i, sum);
+    }
+    for (; i < end; i++) {
+        float sum = a->f[i];
+        for (int part = 0; part < count; part++) {
+            sum -= (float)factors[part] * parts[part].f[i];
+        }
+        out->f[i] = sum;
     }
 }
 

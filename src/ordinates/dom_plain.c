@@ -51,10 +51,10 @@ static void keep_positive(const air_dom *dom, size_t cell, const double total[CH
     }
 }
 
-static void emit_cell(air_dom *dom, size_t cell)
+static void emit_cell(air_dom *dom, const dom_array *moments, size_t cell)
 {
     const size_t count = (size_t)dom->moments * CHANNELS;
-    const double *const field = dom->field.d + cell * count;
+    const double *const field = moments->d + cell * count;
     const double *const light = dom->light.d + cell * count;
     const double *const sigma_s = dom->sigma_s.d + cell * CHANNELS;
     double scattered[DOM_MOMENTS_MAX * CHANNELS], total[CHANNELS];
@@ -73,10 +73,10 @@ static void emit_cell(air_dom *dom, size_t cell)
     keep_positive(dom, cell, total);
 }
 
-static void emit(air_dom *dom, size_t k)
+static void emit(air_dom *dom, const dom_array *field, size_t k)
 {
     for (size_t cell = k * dom->slab; cell < (k + 1) * dom->slab; cell++) {
-        emit_cell(dom, cell);
+        emit_cell(dom, field, cell);
     }
 }
 

@@ -21,7 +21,7 @@ static void emit_slab(void *user, size_t k, size_t worker)
 {
     air_dom *const dom = user;
     (void)worker;
-    dom->kernel->emit(dom, k);
+    dom->kernel->emit(dom, &dom->field, k);
 }
 
 static void sweep_octant(void *user, size_t octant, size_t worker)
@@ -38,15 +38,20 @@ static void gather_slab(void *user, size_t k, size_t worker)
     dom->kernel->gather(dom, k);
 }
 
-/* next = what field and light make; returns how much that changes, as a share. */
-static double sweep_all(air_dom *dom)
+/* And the next sweep's sources, while moments and radiances are near. */
+static void gather_and_emit_slab(void *user, size_t k, size_t worker)
 {
-    const size_t slabs = dom->params.size[2];
+    air_dom *const dom = user;
+    (void)worker;
+    dom->kernel->gather(dom, k);
+    dom->kernel->emit(dom, &dom->next, k);
+}
+
+/* How much the moments changed, as a share. */
+static double change_of(const air_dom *dom)
+{
     dom_sums sums = {0.0, 0.0};
-    air_parallel_for(dom->context, slabs, emit_slab, dom);
-    air_parallel_for(dom->context, DOM_OCTANTS, sweep_octant, dom);
-    air_parallel_for(dom->context, slabs, gather_slab, dom);
-    for (size_t k = 0; k < slabs; k++) {
+    for (size_t k = 0; k < dom->params.size[2]; k++) {
         sums.change += dom->sums[k].change;
         sums.size += dom->sums[k].size;
     }
@@ -89,26 +94,38 @@ static air_status make_history(air_dom *dom, int depth)
     return made ? AIR_OK : air_fail_memory(dom->context, "discrete ordinates");
 }
 
-/* Keeps the latest step's differences of one slab, and their products with all that are kept. */
-static void remember_slab(void *user, size_t k, size_t worker)
+/* Keeps the latest step's differences of some numbers, and adds their products with all that are
+ * kept to dots. */
+static void remember(air_dom *dom, size_t begin, size_t end, double *dots)
 {
-    air_dom *const dom = user;
     dom_history *const h = &dom->history;
     const dom_kernel *const kernel = dom->kernel;
-    double *const dots = h->dots + k * 2 * AIR_DOM_DEPTH_MAX;
-    size_t begin, end;
-    (void)worker;
-    dom_slab_range(dom, k, &begin, &end);
+    dom_array *const latest = &h->residuals[h->next_slot];
     kernel->subtract(&dom->next, &dom->field, &h->residual, begin, end);
     if (h->count == 0) {
         return;
     }
-    dom_array *const latest = &h->residuals[h->next_slot];
     kernel->subtract(&h->residual, &h->last_residual, latest, begin, end);
     kernel->subtract(&dom->next, &h->last_next, &h->nexts[h->next_slot], begin, end);
     for (int i = 0; i < h->count; i++) {
-        dots[i] = kernel->dot(latest, &h->residuals[i], begin, end);
-        dots[AIR_DOM_DEPTH_MAX + i] = kernel->dot(&h->residual, &h->residuals[i], begin, end);
+        dots[i] += kernel->dot(latest, &h->residuals[i], begin, end);
+        dots[AIR_DOM_DEPTH_MAX + i] += kernel->dot(&h->residual, &h->residuals[i], begin, end);
+    }
+}
+
+/* In portions that stay near. */
+static void gather_and_remember_slab(void *user, size_t k, size_t worker)
+{
+    enum { PORTION = 1024 };
+    air_dom *const dom = user;
+    double *const dots = dom->history.dots + k * 2 * AIR_DOM_DEPTH_MAX;
+    size_t begin, end;
+    (void)worker;
+    dom->kernel->gather(dom, k);
+    dom_slab_range(dom, k, &begin, &end);
+    memset(dots, 0, 2 * AIR_DOM_DEPTH_MAX * sizeof *dots);
+    for (; begin < end; begin += PORTION) {
+        remember(dom, begin, end - begin < PORTION ? end : begin + PORTION, dots);
     }
 }
 
@@ -168,7 +185,7 @@ typedef struct mixing {
     int count;
 } mixing;
 
-static void mix_slab(void *user, size_t k, size_t worker)
+static void mix_and_emit_slab(void *user, size_t k, size_t worker)
 {
     const mixing *const self = user;
     air_dom *const dom = self->dom;
@@ -183,23 +200,20 @@ static void mix_slab(void *user, size_t k, size_t worker)
             dom_put(dom, &dom->field, begin + c, fmax(dom_get(dom, &dom->field, begin + c), 0.0));
         }
     }
+    dom->kernel->emit(dom, &dom->field, k);
 }
 
-/* field = the combination of the last results whose residual is least. */
-static void accelerate(air_dom *dom, int depth, bool first)
+/* field = the combination of the last results whose residual is least, and its sources. */
+static void accelerate(air_dom *dom, int depth)
 {
     dom_history *const h = &dom->history;
     mixing mix = {.dom = dom};
-    if (!first) {
-        h->count = h->count < depth ? h->count + 1 : depth;
-    }
-    air_parallel_for(dom->context, dom->params.size[2], remember_slab, dom);
     if (h->count > 0) {
         sum_dots(h, dom->params.size[2]);
         mix.count = solve_normal(h, mix.factors) ? h->count : 0;
         h->next_slot = (h->next_slot + 1) % depth;
     }
-    air_parallel_for(dom->context, dom->params.size[2], mix_slab, &mix);
+    air_parallel_for(dom->context, dom->params.size[2], mix_and_emit_slab, &mix);
     swap(&h->residual, &h->last_residual);
     swap(&dom->next, &h->last_next);
 }
@@ -260,6 +274,36 @@ static air_dom_books balance(const air_dom *dom, size_t c)
 
 /* ---- all ---- */
 
+/* Leaves in next what the last sweep made of field. */
+static void sweep_all(air_dom *dom, const air_dom_solve_params *params, air_dom_report *result)
+{
+    const size_t slabs = dom->params.size[2];
+    dom_history *const h = &dom->history;
+    air_parallel_for(dom->context, slabs, emit_slab, dom);
+    while (true) {
+        const bool last = result->sweeps + 1 >= params->sweeps;
+        air_parallel_for(dom->context, DOM_OCTANTS, sweep_octant, dom);
+        if (last) {
+            air_parallel_for(dom->context, slabs, gather_slab, dom);
+        } else if (params->depth == 0) {
+            air_parallel_for(dom->context, slabs, gather_and_emit_slab, dom);
+        } else {
+            h->count = result->sweeps == 0 ? 0 : h->count + (h->count < params->depth);
+            air_parallel_for(dom->context, slabs, gather_and_remember_slab, dom);
+        }
+        result->change = change_of(dom);
+        result->sweeps++;
+        if (last || result->change < params->change) {
+            return;
+        }
+        if (params->depth == 0) {
+            swap(&dom->field, &dom->next);
+        } else {
+            accelerate(dom, params->depth);
+        }
+    }
+}
+
 air_status air_dom_solve(air_dom *dom, const air_dom_solve_params *params, air_dom_report *report)
 {
     air_dom_report result = {0};
@@ -277,18 +321,7 @@ air_status air_dom_solve(air_dom *dom, const air_dom_solve_params *params, air_d
     if (params->cold) {
         memset(dom->field.any, 0, dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE * dom->number);
     }
-    while (true) {
-        result.change = sweep_all(dom);
-        result.sweeps++;
-        if (result.sweeps >= params->sweeps || result.change < params->change) {
-            break;
-        }
-        if (params->depth > 0) {
-            accelerate(dom, params->depth, result.sweeps == 1);
-        } else {
-            swap(&dom->field, &dom->next);
-        }
-    }
+    sweep_all(dom, params, &result);
     for (size_t c = 0; c < 3 && report != NULL; c++) {
         result.books[c] = balance(dom, c);
     }
