@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "ordinates/dom.h"
+#include "ordinates/dom_channels.h"
 
 typedef struct slopes {
     lanes x, y, z, sum; /* 2 |O| / cell_m */
