@@ -111,7 +111,9 @@ typedef struct air_dom_solve_params {
     double change;   /* ends when a sweep changes the moments by less than this share of them (root
                         of sums of squares); >= 0; default 1e-3 */
     int depth;       /* of Anderson's acceleration, 0: none, so that sweep n adds light of n further
-                        events; 0..AIR_DOM_DEPTH_MAX; default 4 */
+                        events; 0..AIR_DOM_DEPTH_MAX; default 4. It makes a sweep cost two to three
+                        times as much, which fewer sweeps repay where light is scattered some ten
+                        times on its way out */
     bool cold;       /* begin from no light, not from the solution before; default false */
 } air_dom_solve_params;
 

@@ -252,24 +252,24 @@ static void add_boundary(const air_dom *dom, size_t c, air_dom_books *books)
 }
 
 /* Of the sweep that made next from field. */
-static air_dom_books balance(const air_dom *dom, size_t c)
+static void balance(const air_dom *dom, air_dom_books books[3])
 {
     const float *const m = dom->params.cell_m;
     const double volume = (double)m[0] * (double)m[1] * (double)m[2];
     const double fluence = sqrt(4.0 * AIR_PI) * volume;
-    air_dom_books books = {0};
-    for (size_t cell = 0; cell < dom->cells; cell++) {
-        const size_t at = cell * AIR_DOM_STRIDE + c;
+    for (size_t i = 0; i < 3 * dom->cells; i++) {
+        const size_t cell = i / 3, c = i % 3, at = cell * AIR_DOM_STRIDE + c;
         const size_t zero = cell * (size_t)dom->moments * AIR_DOM_STRIDE + c;
         const double sigma_s = dom_get(dom, &dom->sigma_s, at);
         const double sigma_a = dom_get(dom, &dom->sigma_a, at);
         const double now = dom_get(dom, &dom->next, zero);
-        books.in += fluence * sigma_s * dom_get(dom, &dom->light, zero);
-        books.absorbed += fluence * sigma_a * now;
-        books.residual += fluence * sigma_s * (now - dom_get(dom, &dom->field, zero));
+        books[c].in += fluence * sigma_s * dom_get(dom, &dom->light, zero);
+        books[c].absorbed += fluence * sigma_a * now;
+        books[c].residual += fluence * sigma_s * (now - dom_get(dom, &dom->field, zero));
     }
-    add_boundary(dom, c, &books);
-    return books;
+    for (size_t c = 0; c < 3; c++) {
+        add_boundary(dom, c, &books[c]);
+    }
 }
 
 /* ---- all ---- */
@@ -322,12 +322,10 @@ air_status air_dom_solve(air_dom *dom, const air_dom_solve_params *params, air_d
         memset(dom->field.any, 0, dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE * dom->number);
     }
     sweep_all(dom, params, &result);
-    for (size_t c = 0; c < 3 && report != NULL; c++) {
-        result.books[c] = balance(dom, c);
-    }
-    swap(&dom->field, &dom->next);
     if (report != NULL) {
+        balance(dom, result.books);
         *report = result;
     }
+    swap(&dom->field, &dom->next);
     return AIR_OK;
 }
