@@ -71,32 +71,69 @@ static void keep_positive(const air_dom *dom, size_t cell, const float *total)
     }
 }
 
-static inline void emit_cell(air_dom *dom, const float *moments, size_t cell, int bands)
+/* Sums over the moments of each class, for directions o on and the vector after those: two sums
+ * that do not wait for each other, of moments that are fetched once. */
+static inline void emit_pair(const air_dom *dom, const float *staged, int bands, size_t o,
+                             lanes p[DOM_OCTANTS], lanes q[DOM_OCTANTS])
 {
     const int *const begin = dom_class_begin[bands];
-    float staged[DOM_MOMENTS_MAX * CHANNELS], total[CHANNELS];
-    const lanes zero = lanes_all(0.0f);
-    lanes least = zero;
-    stage_moments(dom, moments, cell, bands, staged);
-    for (size_t o = 0; o < dom->row; o += LANES) {
-        float *const radiance = dom->radiance.f + dom_radiance(dom, 0, cell) + o;
-        lanes p[DOM_OCTANTS];
+    const float *const emitting = dom->emitting.f + o;
 #pragma GCC unroll 8
-        for (int class = 0; class < DOM_OCTANTS; class ++) {
-            p[class] = zero;
-            for (int m = begin[class]; m < begin[class + 1]; m++) {
-                p[class] = lanes_madd(lanes_load(dom->emitting.f + (size_t)m * dom->row + o),
-                                      lanes_repeat(staged + m * CHANNELS), p[class]);
-            }
+    for (int class = 0; class < DOM_OCTANTS; class ++) {
+        lanes a = lanes_all(0.0f), b = a;
+        for (int m = begin[class]; m < begin[class + 1]; m++) {
+            const lanes moment = lanes_repeat(staged + m * CHANNELS);
+            a = lanes_madd(lanes_load(emitting + (size_t)m * dom->row), moment, a);
+            b = lanes_madd(lanes_load(emitting + (size_t)m * dom->row + LANES), moment, b);
         }
-        transform_octants(p);
+        p[class] = a;
+        q[class] = b;
+    }
+}
+
+static inline void emit_one(const air_dom *dom, const float *staged, int bands, size_t o,
+                            lanes p[DOM_OCTANTS])
+{
+    const int *const begin = dom_class_begin[bands];
 #pragma GCC unroll 8
-        for (size_t octant = 0; octant < DOM_OCTANTS; octant++) {
-            least = lanes_min(least, p[octant]);
-            lanes_store(radiance + octant * dom->octant, p[octant]);
+    for (int class = 0; class < DOM_OCTANTS; class ++) {
+        p[class] = lanes_all(0.0f);
+        for (int m = begin[class]; m < begin[class + 1]; m++) {
+            p[class] = lanes_madd(lanes_load(dom->emitting.f + (size_t)m * dom->row + o),
+                                  lanes_repeat(staged + m * CHANNELS), p[class]);
         }
     }
-    if (mask_any(lanes_less(least, zero))) {
+}
+
+/* From classes to octants; returns the least of `least` and all. */
+static inline lanes send(air_dom *dom, size_t cell, size_t o, lanes p[DOM_OCTANTS], lanes least)
+{
+    float *const radiance = dom->radiance.f + dom_radiance(dom, 0, cell) + o;
+    transform_octants(p);
+#pragma GCC unroll 8
+    for (size_t octant = 0; octant < DOM_OCTANTS; octant++) {
+        least = lanes_min(least, p[octant]);
+        lanes_store(radiance + octant * dom->octant, p[octant]);
+    }
+    return least;
+}
+
+static inline void emit_cell(air_dom *dom, const float *moments, size_t cell, int bands)
+{
+    float staged[DOM_MOMENTS_MAX * CHANNELS], total[CHANNELS];
+    lanes least = lanes_all(0.0f), p[DOM_OCTANTS], q[DOM_OCTANTS];
+    size_t o = 0;
+    stage_moments(dom, moments, cell, bands, staged);
+    for (; o + 2 * LANES <= dom->row; o += 2 * LANES) {
+        emit_pair(dom, staged, bands, o, p, q);
+        least = send(dom, cell, o, p, least);
+        least = send(dom, cell, o + LANES, q, least);
+    }
+    for (; o < dom->row; o += LANES) {
+        emit_one(dom, staged, bands, o, p);
+        least = send(dom, cell, o, p, least);
+    }
+    if (mask_any(lanes_less(least, lanes_all(0.0f)))) {
         for (int c = 0; c < CHANNELS; c++) {
             total[c] = 3.5449077f * staged[c];
         }
@@ -133,41 +170,74 @@ static inline void load_classes(const air_dom *dom, size_t cell, size_t o, lanes
     transform_octants(p);
 }
 
-/* Where directions of an octant fill one vector, and there are four bands. */
-static inline void gather_cell_4(air_dom *dom, size_t cell)
+/* Numbers of a row of four directions, as four bands have, and its vectors. */
+enum { SHORT_ROW = 4 * CHANNELS, SHORT = SHORT_ROW / LANES };
+
+/* Four moments from m on, of such a row. */
+static inline void gather_four(const air_dom *dom, int m, const int *class_of,
+                               lanes p[SHORT][DOM_OCTANTS], float *out)
 {
-    static const int classes[16] = {0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 4, 4, 4, 5, 6, 7};
-    float *const next = dom->next.f + cell * 16 * CHANNELS;
-    lanes p[DOM_OCTANTS], sums[4];
-    load_classes(dom, cell, 0, p);
+    const float *const gathering = dom->gathering.f + m * SHORT_ROW;
+    lanes sums[4];
 #pragma GCC unroll 4
-    for (int m = 0; m < 16; m += 4) {
+    for (int i = 0; i < 4; i++) {
+        const int class = class_of[m + i];
+        sums[i] = lanes_load(gathering + i * SHORT_ROW) * p[0][class];
 #pragma GCC unroll 4
-        for (int i = 0; i < 4; i++) {
-            sums[i] = lanes_load(dom->gathering.f + (m + i) * LANES) * p[classes[m + i]];
+        for (int v = 1; v < SHORT; v++) {
+            sums[i] =
+                lanes_madd(lanes_load(gathering + i * SHORT_ROW + v * LANES), p[v][class], sums[i]);
         }
-        lanes_fold(sums, next + m * CHANNELS);
+    }
+    lanes_fold(sums, out);
+}
+
+/* moments: dom's. */
+static inline void gather_short_cell(air_dom *dom, size_t cell, int moments, const int *class_of)
+{
+    float *const next = dom->next.f + cell * (size_t)moments * CHANNELS;
+    float folded[4 * CHANNELS];
+    lanes p[SHORT][DOM_OCTANTS];
+    int m = 0;
+#pragma GCC unroll 4
+    for (int v = 0; v < SHORT; v++) {
+        load_classes(dom, cell, (size_t)(v * LANES), p[v]);
+    }
+#pragma GCC unroll 4
+    for (; m + 4 <= moments; m += 4) {
+        gather_four(dom, m, class_of, p, next + m * CHANNELS);
+    }
+    if (m < moments) {
+        gather_four(dom, m, class_of, p, folded);
+        memcpy(next + m * CHANNELS, folded, (size_t)(moments - m) * sizeof(four));
     }
 }
 
-/* Adds to the sums over directions begin .. end, lane by lane, of four moments from m on. */
-static inline void gather_moments(const air_dom *dom, int m, size_t begin, size_t end,
-                                  lanes p[PORTION][DOM_OCTANTS], lanes sums[4])
+/* Adds to the sums over directions begin .. end, lane by lane, of a class's moments m .. m + count,
+ * up to four: four sums that do not wait for each other, of radiances that are fetched once. */
+static inline void gather_moments(const air_dom *dom, int m, int count, size_t begin, size_t end,
+                                  lanes p[PORTION][DOM_OCTANTS], lanes *sums)
 {
-    for (int i = 0; i < 4; i++) {
-        const float *const gathering = dom->gathering.f + (size_t)(m + i) * dom->row;
-        const int class = dom->class_of[m + i];
-        lanes sum = sums[i];
-        for (size_t o = begin; o < end; o += LANES) {
-            sum = lanes_madd(lanes_load(gathering + o), p[(o - begin) / LANES][class], sum);
-        }
-        sums[i] = sum;
+    const size_t row = dom->row;
+    const float *const gathering = dom->gathering.f + (size_t)m * row;
+    const int class = dom->class_of[m];
+    lanes a = sums[0], b = sums[1], c = sums[2], d = sums[3];
+    for (size_t o = begin; o < end; o += LANES) {
+        const lanes radiance = p[(o - begin) / LANES][class];
+        a = lanes_madd(lanes_load(gathering + o), radiance, a);
+        b = lanes_madd(lanes_load(gathering + row + o), radiance, b);
+        c = lanes_madd(lanes_load(gathering + 2 * row + o), radiance, c);
+        d = lanes_madd(lanes_load(gathering + 3 * row + o), radiance, d);
     }
+    sums[0] = a;
+    sums[1] = count > 1 ? b : sums[1];
+    sums[2] = count > 2 ? c : sums[2];
+    sums[3] = count > 3 ? d : sums[3];
 }
 
 static void gather_cell(air_dom *dom, size_t cell)
 {
-    const int moments = dom->moments;
+    const int moments = dom->moments, *const first = dom_class_begin[dom->params.bands];
     lanes p[PORTION][DOM_OCTANTS], sums[DOM_MOMENTS_MAX + 3];
     float folded[4 * CHANNELS];
     float *const next = dom->next.f + cell * (size_t)moments * CHANNELS;
@@ -180,8 +250,10 @@ static void gather_cell(air_dom *dom, size_t cell)
         for (size_t o = begin; o < end; o += LANES) {
             load_classes(dom, cell, o, p[(o - begin) / LANES]);
         }
-        for (int m = 0; m < moments; m += 4) {
-            gather_moments(dom, m, begin, end, p, sums + m);
+        for (int class = 0; class < DOM_OCTANTS; class ++) {
+            for (int m = first[class]; m < first[class + 1]; m += 4) {
+                gather_moments(dom, m, first[class + 1] - m, begin, end, p, sums + m);
+            }
         }
     }
     for (int m = 0; m < moments; m += 4) {
@@ -216,6 +288,9 @@ static dom_sums compare(const air_dom *dom, size_t begin, size_t end)
     return sums;
 }
 
+/* Of four bands' moments: constants, so that p stays in registers. */
+static const int classes_of_4[16] = {0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 4, 4, 4, 5, 6, 7};
+
 /* Compares line by line, while a line is near. */
 static void gather(air_dom *dom, size_t k)
 {
@@ -223,8 +298,10 @@ static void gather(air_dom *dom, size_t k)
     dom_sums sums = {0.0, 0.0};
     for (size_t line = k * dom->slab; line < (k + 1) * dom->slab; line += n) {
         for (size_t cell = line; cell < line + n; cell++) {
-            if (dom->params.bands == 4 && dom->row == LANES) {
-                gather_cell_4(dom, cell);
+            if (dom->params.bands == 4 && dom->row == SHORT_ROW) {
+                gather_short_cell(dom, cell, 16, classes_of_4);
+            } else if (dom->row == SHORT_ROW) {
+                gather_short_cell(dom, cell, dom->moments, dom->class_of);
             } else {
                 gather_cell(dom, cell);
             }
