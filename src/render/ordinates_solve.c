@@ -20,7 +20,10 @@ typedef struct solving {
     air_dom_phase phase;
     ord_source_list sources;
     float *extinction[2]; /* for all light, and the true one; 4 per cell */
-    float *moments;
+    float *moments;       /* of beams */
+    bool inflow;          /* some of the sky enters by the faces: */
+    float inflow_moments[AIR_DOM_BANDS_MAX * AIR_DOM_BANDS_MAX * CHANNELS];
+    float *through;    /* moments of it, where it was not scattered */
     float *fluence[2]; /* of a block's sources, likewise */
     char *scratch;     /* of a block's sources */
     size_t scratch_size;
@@ -105,9 +108,10 @@ static void take_slab(void *user, size_t k, size_t worker)
 {
     solving *const self = user;
     (void)worker;
-    if (self->moments != NULL) {
-        air_beam_moments(&self->box, self->beams[0], self->count, self->dom.bands, k, k + 1,
-                         self->moments);
+    for (size_t i = 0; self->moments != NULL && i < self->count; i++) {
+        const bool inflow = self->sources.items[self->begin + i].inflow;
+        air_beam_moments(&self->box, &self->beams[0][i], 1, self->dom.bands, k, k + 1,
+                         inflow ? self->through : self->moments);
     }
     for (size_t m = 0; m < self->with->medium_count; m++) {
         const ord_medium *const medium = &self->with->media[m];
@@ -146,6 +150,15 @@ static void show_slab(void *user, size_t k, size_t worker)
                      self->with->media[self->medium].light);
 }
 
+/* Unscattered light that came by the faces is shown as beams, with the whole phase function. */
+static void take_through(solving *self)
+{
+    const size_t count = self->domain->cells * (size_t)(self->dom.bands * self->dom.bands);
+    for (size_t i = 0; self->through != NULL && i < count * CHANNELS; i++) {
+        self->moments[i] -= self->through[i];
+    }
+}
+
 /* Adds what the media scatter of light that was scattered before. */
 static void show_scattered(solving *self)
 {
@@ -179,11 +192,15 @@ static air_status scatter(solving *self, uint32_t max_depth)
     if (status == AIR_OK) {
         status = air_dom_set_light(dom, self->moments);
     }
+    if (status == AIR_OK && self->inflow) {
+        status = air_dom_set_inflow(dom, self->inflow_moments, 63);
+    }
     if (status == AIR_OK) {
         status = air_dom_solve(dom, &params, NULL);
     }
     if (status == AIR_OK) {
         air_dom_moments(dom, self->moments);
+        take_through(self);
         show_scattered(self);
     }
     air_dom_destroy(dom);
@@ -227,6 +244,10 @@ static bool make_arrays(solving *self, bool deep)
         self->moments = air_allocate(context, cells * bands * bands * CHANNELS, sizeof(float));
         made = made && self->moments != NULL;
     }
+    if (self->inflow) {
+        self->through = air_allocate(context, cells * bands * bands * CHANNELS, sizeof(float));
+        made = made && self->through != NULL;
+    }
     return made && self->scratch != NULL;
 }
 
@@ -238,6 +259,7 @@ static void free_arrays(solving *self)
         air_free(context, self->fluence[i]);
     }
     air_free(context, self->moments);
+    air_free(context, self->through);
     air_free(context, self->scratch);
     ord_sources_finish(&self->sources);
 }
@@ -286,6 +308,12 @@ air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
     }
     set_phase(&self);
     status = ord_sources_make(&lighting, &self.sources);
+    /* Sweep n must add light of n further events where their number is limited, and nothing may
+     * stand between the faces and the sky. */
+    if (status == AIR_OK && deep && params->max_depth == UINT32_MAX &&
+        with->snapshot->accelerator == NULL) {
+        self.inflow = ord_inflow_choose(&self.sources, self.dom.bands, self.inflow_moments);
+    }
     if (status == AIR_OK && !make_arrays(&self, deep)) {
         status = air_fail_memory(with->context, "ordinates: light");
     }

@@ -44,6 +44,7 @@ static air_status add_ordinates(const air_light *light, const air_ordinate *ordi
             .power =
                 vec3((float)o->irradiance[0], (float)o->irradiance[1], (float)o->irradiance[2]),
             .lobe = prefilter ? (float)o->lobe : 1.0f,
+            .solid_angle = prefilter ? (float)o->solid_angle : 0.0f,
             .casts_shadow = light->casts_shadow};
         if (!vec3_is_zero(source.power)) {
             status = ord_sources_add(out, &source);

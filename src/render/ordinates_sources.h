@@ -19,6 +19,8 @@ typedef struct ord_source {
     bool two_sided, casts_shadow;
     air_vec3 normal;
     const air_light *light; /* whose windows or cone apply; NULL: none */
+    float solid_angle;      /* of a part of the sky; 0: it is none */
+    bool inflow;            /* see ord_inflow_choose */
 } ord_source;
 
 typedef struct ord_source_list {
@@ -39,6 +41,12 @@ typedef struct ord_lighting {
 air_status ord_sources_make(const ord_lighting *lighting, ord_source_list *out);
 air_status ord_sources_add(ord_source_list *list, const ord_source *source);
 void ord_sources_finish(ord_source_list *list);
+
+/* Marks those parts of the sky that a series of so many bands can show without dipping below 0, and
+ * gives the series' moments (bands^2, 4 numbers each). Solvers that follow them from the box's
+ * faces on are right in dense boxes, too, whose outermost cells have all of the light by a thin
+ * layer; the rest, suns and bright windows, are beams. False: there is no such part. */
+bool ord_inflow_choose(ord_source_list *sources, int bands, float *out_moments);
 
 /* Scratch of ord_source_fluence: bytes. */
 size_t ord_source_scratch(const ord_domain *domain);
