@@ -26,6 +26,8 @@ static const cli_usage render_usage = {
         "  airlight render room.glb -o room.exr -o room.png\n"
         "  airlight render room.glb --medium visibility=50m --environment sky.hdr --quality draft\n"
         "  airlight render room.glb --time 60 --width 1920 --layers -o room.exr\n"
+        "  airlight render cloud.gltf --quality interactive -o cloud.png\n"
+        "  airlight render smoke.gltf --method sky=ordinates,sun=path --cells 48 -o smoke.exr\n"
         "  airlight render room.glb --lightmap room.lightmap -o baked.exr\n"
         "  airlight render room.glb --samples 0:256 -o a.film    # and 256:512 elsewhere, then "
         "merge\n"

@@ -13,11 +13,24 @@ static const uint32_t endless_spp = (uint32_t)1 << 30;
 
 enum { DEFAULT_WIDTH = 960, DEFAULT_REPLICATES = 16, SAMPLE_BLOCK = 16 };
 
-static const char *const quality_names[] = {"draft", "medium", "high", NULL};
-static const struct {
+static const char *const quality_names[] = {"interactive", "draft", "medium", "high", NULL};
+enum { QUALITY_MEDIUM = 2 };
+
+/* What --quality stands for, and of method ordinates: the numbers that are not the library's
+ * defaults. */
+typedef struct quality {
     uint32_t spp, max_depth;
-} qualities[] = {{16, 8}, {64, 32}, {512, UINT32_MAX}};
-enum { QUALITY_MEDIUM = 1 };
+    const char *method;
+    uint32_t cells, directions, patches, sweeps, steps, march;
+    int bands;
+} quality;
+
+static const quality qualities[] = {
+    {4, 8, "interactive", 20, 64, 16, 8, 20, 1, 4},
+    {16, 8, "auto", 24, 64, 32, 16, 24, 2, 4},
+    {64, 32, "auto", 32, 128, 64, 64, 32, 2, 5},
+    {512, UINT32_MAX, "auto", 64, 256, 256, 256, 64, 2, 6},
+};
 
 /* In the order of air_term, air_filter and air_pattern. */
 static const char *const term_names[] = {"S0", "S+", "M1", "M2", "emission", "background", NULL};
@@ -32,8 +45,9 @@ static const cli_option sampling_options[] = {
      .value = "LEVEL",
      .choices = quality_names,
      .offset = offsetof(cli_render_options, quality),
-     .help = "draft (16 samples per pixel, 8 events), medium (64, 32) or high (512, unlimited); "
-             "default medium. --spp, --samples, --time and --max-depth override it."},
+     .help = "interactive (4 samples per pixel, 8 events, method interactive), draft (16, 8), "
+             "medium (64, 32) or high (512, unlimited); default medium. --spp, --samples, --time, "
+             "--max-depth, --method and the options of method ordinates override it."},
     {.name = "spp",
      .kind = CLI_COUNT,
      .value = "N",
@@ -111,10 +125,13 @@ static const cli_option light_options[] = {
      .kind = CLI_TEXT,
      .value = "METHOD",
      .offset = offsetof(cli_render_options, method),
-     .help = "auto, METHOD[:MODE], or LIGHT=METHOD[:MODE],...; default auto. Methods: path; "
-             "collimated (suns and beams in convex homogeneous media) with modes exact, rm, ds, "
-             "wvds, rees, reds, me, me6, me-ideal, me6-ideal; arealight (lamps, media of constant "
-             "density) with modes edge, mix, ltsd, volume-ris."},
+     .help = "auto, interactive, METHOD[:MODE], or LIGHT=METHOD[:MODE],...; default auto, with "
+             "--quality interactive that. Methods: path; collimated (suns and beams in convex "
+             "homogeneous media) with modes exact, rm, ds, wvds, rees, reds, me, me6, me-ideal, "
+             "me6-ideal; arealight (lamps, media of constant density) with modes edge, mix, ltsd, "
+             "volume-ris; ordinates (all light that media with an end scatter, in a grid, without "
+             "noise) with modes dom, cm, six, literal, shdom. interactive: ordinates where light "
+             "is scattered many times or density varies, else auto."},
     {.name = "quadrature",
      .kind = CLI_CHOICE,
      .value = "RULE",
@@ -256,17 +273,37 @@ void cli_render_groups(cli_render_options *options, cli_option_group out_groups[
                            sizeof sampling_options / sizeof sampling_options[0], options};
     out_groups[2] = (cli_option_group){"Light", light_options,
                                        sizeof light_options / sizeof light_options[0], options};
-    out_groups[3] =
+    out_groups[3] = cli_ordinates_group(&options->ordinates);
+    out_groups[4] =
         (cli_option_group){"Sequence", sequence_options,
                            sizeof sequence_options / sizeof sequence_options[0], options};
-    out_groups[4] = (cli_option_group){"Reports", report_options,
+    out_groups[5] = (cli_option_group){"Reports", report_options,
                                        sizeof report_options / sizeof report_options[0], options};
+}
+
+static const quality *quality_of(const cli_render_options *options)
+{
+    return &qualities[options->quality.set ? options->quality.value : QUALITY_MEDIUM];
 }
 
 static cli_exit usage_error(const char *text)
 {
     cli_say(NULL, AIR_MESSAGE_ERROR, "%s", text);
     return CLI_USAGE;
+}
+
+/* Of *settings what the quality and the options say; the rest stays. */
+static void set_ordinates(const cli_render_options *options, air_ordinates_settings *settings)
+{
+    const quality *const q = quality_of(options);
+    settings->cells = q->cells;
+    settings->directions = q->directions;
+    settings->patches = q->patches;
+    settings->sweeps = q->sweeps;
+    settings->steps = q->steps;
+    settings->march = q->march;
+    settings->bands = q->bands;
+    cli_ordinates_set(&options->ordinates, settings);
 }
 
 cli_exit cli_render_check(cli_render_options *options)
@@ -288,7 +325,8 @@ cli_exit cli_render_check(cli_render_options *options)
     if (options->orbit.set && options->frames == NULL) {
         return usage_error("--orbit: expected --frames with it, to turn from frame to frame");
     }
-    return cli_frames_read(options->frames, &options->sequence);
+    const cli_exit result = cli_ordinates_check(&options->ordinates, quality_of(options)->bands);
+    return result == CLI_OK ? cli_frames_read(options->frames, &options->sequence) : result;
 }
 
 /* ---- samples ---- */
@@ -304,9 +342,8 @@ static uint32_t replicates_of(const cli_render_options *options)
 static cli_exit set_samples(cli_host *host, const cli_render_options *options,
                             air_render_params *params)
 {
-    const size_t quality = options->quality.set ? (size_t)options->quality.value : QUALITY_MEDIUM;
     const uint32_t replicates = replicates_of(options);
-    uint32_t count = qualities[quality].spp;
+    uint32_t count = quality_of(options)->spp;
     if (options->samples.set) {
         params->sample_begin = (uint32_t)options->samples.value[0];
         count = (uint32_t)(options->samples.value[1] - options->samples.value[0]);
@@ -327,7 +364,7 @@ static cli_exit set_samples(cli_host *host, const cli_render_options *options,
     }
     params->sample_end = params->sample_begin + count;
     params->variance_replicates = replicates;
-    params->max_depth = qualities[quality].max_depth;
+    params->max_depth = quality_of(options)->max_depth;
     if (options->max_depth.set) {
         params->max_depth =
             options->max_depth.word ? unlimited : (uint32_t)options->max_depth.value;
@@ -421,9 +458,8 @@ cli_exit cli_render_params(cli_host *host, const cli_render_options *options,
     if (options->candidates.set) {
         params->shadow_candidates = (uint32_t)options->candidates.value;
     }
-    if (options->method != NULL) {
-        params->methods = options->method;
-    }
+    params->methods = options->method != NULL ? options->method : quality_of(options)->method;
+    set_ordinates(options, &params->ordinates);
     if (options->terms.set) {
         params->terms = (uint32_t)options->terms.value;
     }

@@ -6,12 +6,14 @@
 
 #include "frames.h"
 #include "host.h"
+#include "ordinates_options.h"
 #include "scene_options.h"
 
 typedef struct cli_render_options {
     cli_count quality, spp, seed, max_depth, filter, pattern, variance, tile_size;
     cli_count rule, nodes, shadow_samples, candidates; /* of arealight */
     const char *area_table, *lightmap;
+    cli_ordinates_options ordinates;
     cli_counts samples;
     cli_real time, write_partial;
     cli_count terms;
@@ -24,7 +26,7 @@ typedef struct cli_render_options {
     cli_frames sequence; /* what frames says, once cli_render_check has read it */
 } cli_render_options;
 
-enum { CLI_RENDER_GROUPS = 5 };
+enum { CLI_RENDER_GROUPS = 6 };
 
 void cli_render_groups(cli_render_options *options, cli_option_group out_groups[CLI_RENDER_GROUPS]);
 

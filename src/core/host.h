@@ -13,6 +13,8 @@ void *air_allocate(air_context *context, size_t count, size_t size);
 /* Grows or shrinks; new bytes are not set. On failure the old block stays. */
 void *air_reallocate(air_context *context, void *pointer, size_t count, size_t size);
 void air_free(air_context *context, void *pointer);
+/* Bytes of memory that the machine has, whoever uses them; 0: not known. */
+double air_machine_memory(void);
 char *air_string_copy(air_context *context, const char *text); /* NULL gives "" */
 /* printf into a fresh string; NULL on failure. */
 char *air_string_format(air_context *context, const char *format, ...)

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "core/context_state.h"
 
@@ -58,6 +59,12 @@ void air_free(air_context *context, void *pointer)
     } else {
         (void)context->params.reallocate(context->params.allocate_user, pointer, 0);
     }
+}
+
+double air_machine_memory(void)
+{
+    const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+    return pages > 0 && size > 0 ? (double)pages * (double)size : 0.0;
 }
 
 char *air_string_copy(air_context *context, const char *text)

@@ -132,23 +132,25 @@ static void look_into_slab(void *user, size_t k, size_t worker)
     }
 }
 
-air_status ord_domain_make(const air_snapshot *snapshot, uint32_t cells, ord_domain *out)
+air_status ord_domain_place(const air_snapshot *snapshot, uint32_t cells, ord_domain *out)
 {
     memset(out, 0, sizeof *out);
     out->context = snapshot->context;
     out->media = &snapshot->media;
-    const air_status status = place(out, cells);
-    if (status != AIR_OK) {
-        return status;
-    }
+    return place(out, cells);
+}
+
+air_status ord_domain_fill(ord_domain *out)
+{
+    air_context *const context = out->context;
     out->sigma_s = air_allocate(out->context, 3 * out->cells, sizeof(float));
     out->sigma_a = air_allocate(out->context, 3 * out->cells, sizeof(float));
     out->g = air_allocate(out->context, 3 * out->cells, sizeof(float));
     if (out->sigma_s == NULL || out->sigma_a == NULL || out->g == NULL) {
         ord_domain_finish(out);
-        return air_fail_memory(snapshot->context, "ordinates: cells");
+        return air_fail_memory(context, "ordinates: cells");
     }
-    air_parallel_for(out->context, out->size[2], look_into_slab, out);
+    air_parallel_for(context, out->size[2], look_into_slab, out);
     return AIR_OK;
 }
 

@@ -14,11 +14,14 @@ typedef struct ord_domain {
     float *sigma_s, *sigma_a, *g; /* 3 planes each; g: mean cosine of all media's scattering */
 } ord_domain;
 
-/* The box about all media that scatter, `cells` along its longest side, with the means of their
- * coefficients. AIR_ERROR_ARGUMENT: nothing scatters, or the media have no size. On failure out is
- * as after ord_domain_finish. */
-air_status ord_domain_make(const air_snapshot *snapshot, uint32_t cells, ord_domain *out);
-void ord_domain_finish(ord_domain *domain);
+/* The box about all media, `cells` along its longest side, without coefficients: nothing to finish.
+ * AIR_ERROR_ARGUMENT: there are none, or they have no size. */
+air_status ord_domain_place(const air_snapshot *snapshot, uint32_t cells, ord_domain *out);
+
+/* Gives a box that was placed the means of the media's coefficients. On failure it is as after
+ * ord_domain_finish. */
+air_status ord_domain_fill(ord_domain *domain);
+void ord_domain_finish(ord_domain *domain); /* also of one that is all 0 */
 
 /* A point in the box's frame. */
 static inline air_vec3 ord_domain_local(const ord_domain *domain, air_vec3 world)

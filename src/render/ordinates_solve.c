@@ -8,7 +8,7 @@
 #include "render/ordinates_sources.h"
 #include "render/ordinates_state.h"
 
-enum { CHANNELS = 4, BLOCK = 16 /* sources at a time */ };
+enum { CHANNELS = 4, BLOCK = ORD_BLOCK };
 
 /* All that one solution needs. */
 typedef struct solving {

@@ -31,6 +31,12 @@ struct air_ordinates_scratch {
     air_ray_media media;
 };
 
+enum { ORD_BLOCK = 16 /* sources whose fluences are in memory at a time */ };
+
+/* Bytes that a solution takes at its height, from the domain's size, the settings and what is
+ * wanted. `deep`: light of more than one event. */
+double ord_memory(const air_with_ordinates *with, bool deep);
+
 /* Fills with->media. */
 air_status ord_solve(air_with_ordinates *with, const struct air_owner_table *owners,
                      const air_camera_view *view, const air_render_params *params);

@@ -83,13 +83,15 @@ typedef struct method_choice {
 
 /* "auto": collimated is the one that is true and free of noise. */
 static const method_choice automatic = {AIR_METHOD_COLLIMATED, 0, true};
+/* "interactive": ordinates is free of noise, whatever the light and the media. */
+static const method_choice interactive = {AIR_METHOD_ORDINATES, 0, true};
 
 enum { EXPECTED = 512 };
 
 /* "path, collimated[:exact|rm|...], ..." */
 static void list_methods(char out[EXPECTED])
 {
-    size_t used = (size_t)snprintf(out, EXPECTED, "auto, path");
+    size_t used = (size_t)snprintf(out, EXPECTED, "auto, interactive, path");
     for (int m = 0; m < AIR_METHOD_COUNT; m++) {
         for (size_t i = 0; kinds[m] != NULL && i < kinds[m]->mode_count && used < EXPECTED; i++) {
             const bool last = i + 1 == kinds[m]->mode_count;
@@ -127,8 +129,8 @@ static air_status parse_method(const air_owner_table *table, word w, method_choi
     if (word_is(w, "path")) {
         return AIR_OK;
     }
-    if (word_is(w, "auto")) {
-        *out = automatic;
+    if (word_is(w, "auto") || word_is(w, "interactive")) {
+        *out = word_is(w, "auto") ? automatic : interactive;
         return AIR_OK;
     }
     for (int m = 0; m < AIR_METHOD_COUNT; m++) {
@@ -168,10 +170,39 @@ typedef struct refusals {
     char first_reason[AIR_METHOD_REASON];
 } refusals;
 
+/* Is most scattered light scattered once? Of media with bounds; then what single scattering shows,
+ * the edges of beams, is worth more than the rest. */
+static bool media_are_thin(const air_snapshot *snapshot)
+{
+    float events = 0.0f; /* at most, along the longest sides of the bounds */
+    for (size_t i = 0; i < snapshot->media.count; i++) {
+        const air_medium *const medium = &snapshot->media.media[i];
+        float longest = 0.0f;
+        for (int axis = 0; axis < 3; axis++) {
+            longest = float_max(longest, medium->bounds_max[axis] - medium->bounds_min[axis]);
+        }
+        events += vec3_is_zero(medium->sigma_s) ? 0.0f : longest * vec3_max(medium->sigma_s);
+    }
+    return events <= 1.0f;
+}
+
+/* What "interactive" means for a light: cells blur beams, so that collimated keeps its suns where
+ * light is scattered once if at all. */
+static method_choice interactive_choice(const air_snapshot *snapshot, size_t light)
+{
+    char reason[AIR_METHOD_REASON];
+    const bool grid = air_ordinates_method.applies(snapshot, light, reason);
+    const bool beam = air_collimated_method.applies(snapshot, light, reason);
+    return grid && !(beam && media_are_thin(snapshot)) ? interactive : automatic;
+}
+
 static void assign_or_refuse(air_owner_table *table, const air_snapshot *snapshot, size_t light,
                              method_choice choice, refusals *refused)
 {
     char reason[AIR_METHOD_REASON];
+    if (choice.automatic && choice.method == AIR_METHOD_ORDINATES) {
+        choice = interactive_choice(snapshot, light);
+    }
     const air_method_kind *kind = kinds[choice.method];
     if (kind != NULL && !kind->applies(snapshot, light, reason)) {
         if (!choice.automatic && refused->count++ == 0) {

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "airlight/ordinates_dom.h"
 #include "render/picture.h"
 
 float air_filter_radius_default(air_filter filter)
@@ -46,6 +47,22 @@ void air_render_params_default(air_render_params *params)
     params->tile_size = 32;
 }
 
+/* As air_dom_create, which comes late: after all light was carried to the cells. */
+static air_status check_angles(air_context *context, const air_ordinates_settings *o)
+{
+    if (o->bands < 1 || o->bands > AIR_DOM_BANDS_MAX || o->polar % 2 != 0 || o->polar < 2 ||
+        o->polar < o->bands || o->polar > 64 || o->azimuths % 4 != 0 || o->azimuths < 4 ||
+        o->azimuths < 2 * o->bands || o->azimuths > 128) {
+        return air_fail(
+            context, AIR_ERROR_ARGUMENT,
+            "ordinates: %d x %d angles for %d bands: expected 1 to %d bands, an even number of "
+            "polar angles, at least as many as bands and at most 64, and a multiple of 4 round "
+            "the axis, at least twice as many as bands and at most 128",
+            o->polar, o->azimuths, o->bands, (int)AIR_DOM_BANDS_MAX);
+    }
+    return AIR_OK;
+}
+
 static air_status check_ordinates(air_context *context, const air_ordinates_settings *o)
 {
     if (o->cells < 2 || o->cells > 256 || o->directions < 1 || o->directions > 4096 ||
@@ -64,7 +81,7 @@ static air_status check_ordinates(air_context *context, const air_ordinates_sett
             "at least 1, at least 0, 1 to 4096 and 1 to 64",
             o->sweeps, o->change, o->steps, o->march);
     }
-    return AIR_OK;
+    return check_angles(context, o);
 }
 
 static air_status check_area(air_context *context, const air_render_params *p)

@@ -57,6 +57,24 @@ static bool some_light_is_owned(const air_owner_table *owners)
     return false;
 }
 
+/* Before anything large is allocated: the machine would rather swap than say no. */
+static air_status check_memory(air_with_ordinates *with)
+{
+    const ord_domain *const d = &with->domain;
+    const double bytes = ord_memory(with, with->all), machine = air_machine_memory();
+    if (machine > 0.0 && bytes > machine) {
+        return air_fail(with->context, AIR_ERROR_MEMORY,
+                        "ordinates: %zu x %zu x %zu cells with %d bands need %.1f GB of memory, "
+                        "the machine has %.1f GB: expected fewer cells (now %u along the longest "
+                        "side) or fewer bands",
+                        d->size[0], d->size[1], d->size[2], with->settings->bands, bytes * 1e-9,
+                        machine * 1e-9, with->settings->cells);
+    }
+    air_inform(with->context, "ordinates: %zu x %zu x %zu cells of %.3g m, %.3g GB of memory",
+               d->size[0], d->size[1], d->size[2], (double)d->cell_m, bytes * 1e-9);
+    return AIR_OK;
+}
+
 /* What weights between cells look at. */
 static air_status make_extinction(air_with_ordinates *with)
 {
@@ -97,7 +115,13 @@ air_status air_with_ordinates_create(const air_path *path, const air_owner_table
     with->all = rest;
     with->single = split || !(first && rest);
     with->first_wanted = first;
-    air_status status = ord_domain_make(with->snapshot, params->ordinates.cells, &with->domain);
+    air_status status = ord_domain_place(with->snapshot, params->ordinates.cells, &with->domain);
+    if (status == AIR_OK) {
+        status = check_memory(with);
+    }
+    if (status == AIR_OK) {
+        status = ord_domain_fill(&with->domain);
+    }
     if (status == AIR_OK) {
         status = make_extinction(with);
     }

@@ -168,6 +168,12 @@ static air_status build_grids(const air_subject *subject, const air_medium_sourc
     if (status == AIR_OK && source->emission_grid != NULL) {
         status = grid_map(subject, density, source->emission_grid, medium->world_to_emission);
     }
+    if (status == AIR_OK && !(air_grid_max(source->density_grid) > 0.0f)) {
+        /* No error: a sequence of smoke may begin without any. */
+        air_warn(subject->context,
+                 "medium \"%s\": no value of its density grid is above 0: it is empty",
+                 subject->name);
+    }
     if (status == AIR_OK) {
         clip_to_grid(density, source->density_grid, medium, region);
     }
