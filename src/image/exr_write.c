@@ -141,6 +141,11 @@ static exr_result_t encode_rows(const exr_encode_job *job, size_t first, const f
         encode->write_fn = NULL;
         result = exr_encoding_run(job->file, 0, encode);
     }
+    if (result == EXR_ERR_SUCCESS && encode->compressed_bytes == encode->packed_bytes) {
+        /* Readers take a block of this size for one that is not compressed. OpenEXRCore 3.1 leaves
+         * the compressed bytes there if they are exactly as many. */
+        memcpy(encode->compressed_buffer, encode->packed_buffer, encode->packed_bytes);
+    }
     return result;
 }
 
