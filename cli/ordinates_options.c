@@ -12,7 +12,7 @@ static const cli_option ordinates_options[] = {
      .max = 256,
      .offset = offsetof(cli_ordinates_options, cells),
      .help = "Along the longest side of the media's bounds; the others have cubes of that size. "
-             "--quality chooses 20, 24, 32 or 64."},
+             "--quality chooses 20, 24, 32 or 48."},
     {.name = "directions",
      .kind = CLI_COUNT,
      .value = "N",
@@ -35,7 +35,7 @@ static const cli_option ordinates_options[] = {
      .max = AIR_DOM_BANDS_MAX,
      .offset = offsetof(cli_ordinates_options, bands),
      .help = "Of dom and shdom: orders of spherical harmonics that scattered light keeps; by "
-             "--quality 4, 4, 5 or 6."},
+             "--quality 4, 4, 6 or 8."},
     {.name = "angles",
      .kind = CLI_COUNTS,
      .value = "PxA",
@@ -61,7 +61,7 @@ static const cli_option ordinates_options[] = {
      .min = 1,
      .max = 4096,
      .offset = offsetof(cli_ordinates_options, steps),
-     .help = "Of cm, six and literal: from cell to cell, at most; by --quality 20, 24, 32 or 64."},
+     .help = "Of cm, six and literal: from cell to cell, at most; by --quality 20, 24, 32 or 48."},
     {.name = "march",
      .kind = CLI_COUNT,
      .value = "N",

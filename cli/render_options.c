@@ -26,10 +26,10 @@ typedef struct quality {
 } quality;
 
 static const quality qualities[] = {
-    {4, 8, "interactive", 20, 64, 16, 8, 20, 1, 4},
+    {4, UINT32_MAX, "interactive", 20, 64, 16, 8, 20, 1, 4},
     {16, 8, "auto", 24, 64, 32, 16, 24, 2, 4},
-    {64, 32, "auto", 32, 128, 64, 64, 32, 2, 5},
-    {512, UINT32_MAX, "auto", 64, 256, 256, 256, 64, 2, 6},
+    {64, 32, "auto", 32, 128, 64, 64, 32, 2, 6},
+    {512, UINT32_MAX, "auto", 48, 256, 256, 256, 48, 2, 8},
 };
 
 /* In the order of air_term, air_filter and air_pattern. */
@@ -45,7 +45,8 @@ static const cli_option sampling_options[] = {
      .value = "LEVEL",
      .choices = quality_names,
      .offset = offsetof(cli_render_options, quality),
-     .help = "interactive (4 samples per pixel, 8 events, method interactive), draft (16, 8), "
+     .help = "interactive (4 samples per pixel, any number of events, method interactive), draft "
+             "(16, 8), "
              "medium (64, 32) or high (512, unlimited); default medium. --spp, --samples, --time, "
              "--max-depth, --method and the options of method ordinates override it."},
     {.name = "spp",

@@ -301,6 +301,8 @@ air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
     self.dom.bands = settings->bands;
     self.dom.polar = settings->polar;
     self.dom.azimuths = settings->azimuths;
+    /* Where events are counted, those of the forward peak count too. */
+    self.dom.delta_m = params->max_depth > settings->sweeps;
     set_box(&self, view);
     air_status status = make_media(with, &self.dom);
     if (status != AIR_OK) {
