@@ -10,27 +10,30 @@
 enum { MOST_STEPS = 16384 };
 #define LEAST_SHARE 1e-5f
 
-/* Eight cells about a point, and their shares: linear between their centres, and on beyond the
- * outermost, where the light of a dense medium changes most. */
+/* Eight cells about a point, and their shares. */
 typedef struct corners {
     size_t cell[8];
     float weight[8];
 } corners;
 
-static corners find_corners(const ord_domain *domain, air_vec3 world)
+/* In the outer half cells the line through the two nearest centres goes on (`onward`), else the
+ * outer centre's light holds there: a border that light falls on would be too dark. */
+static corners find_corners(const ord_domain *domain, air_vec3 world, bool onward)
 {
+    const float beyond = onward ? 0.5f : 0.0f;
     const air_vec3 local = ord_domain_local(domain, world);
     const float at[3] = {local.x, local.y, local.z};
     size_t low[3], high[3];
     float share[3];
     corners out;
     for (int axis = 0; axis < 3; axis++) {
-        const float last = (float)(ptrdiff_t)domain->size[axis] - 1.0f;
-        const float place =
-            float_min(float_max(at[axis] / domain->cell_m - 0.5f, -0.5f), last + 0.5f);
-        low[axis] = (size_t)float_max(float_min(place, last - 1.0f), 0.0f);
+        const float place = at[axis] / domain->cell_m - 0.5f;
+        const size_t last = domain->size[axis] > 1 ? domain->size[axis] - 2 : 0;
+        const float held = float_min(float_max(place, 0.0f), (float)(ptrdiff_t)last);
+        low[axis] = (size_t)held;
         high[axis] = low[axis] + 1 < domain->size[axis] ? low[axis] + 1 : low[axis];
-        share[axis] = place - (float)(ptrdiff_t)low[axis];
+        share[axis] =
+            float_min(float_max(place - (float)(ptrdiff_t)low[axis], -beyond), 1.0f + beyond);
     }
     for (int c = 0; c < 8; c++) {
         const size_t x = (c & 1) != 0 ? high[0] : low[0], y = (c & 2) != 0 ? high[1] : low[1];
@@ -51,7 +54,7 @@ static void weigh_by_extinction(const air_with_ordinates *with, float sigma_t, c
     float weight[8], sum = 0.0f;
     for (int i = 0; i < 8; i++) {
         const float difference = (with->extinction[c->cell[i]] - sigma_t) * inverse;
-        weight[i] = float_max(c->weight[i], 0.0f) * air_exp(-0.5f * difference * difference);
+        weight[i] = c->weight[i] * air_exp(-0.5f * difference * difference);
         sum += weight[i];
     }
     for (int i = 0; i < 8 && sum >= 1e-6f; i++) {
@@ -76,7 +79,7 @@ typedef struct look {
 static look look_at(const air_with_ordinates *with, uint64_t regions, air_vec3 point)
 {
     const air_media *const media = &with->snapshot->media;
-    corners c = find_corners(&with->domain, point);
+    corners c = find_corners(&with->domain, point, !with->settings->bilateral);
     air_vec3 sigma_s[AIR_MAX_REGIONS];
     uint32_t medium[AIR_MAX_REGIONS];
     look out;
