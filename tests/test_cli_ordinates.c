@@ -162,12 +162,55 @@ static void every_option_reaches_the_settings(void **state)
     cli_leave(&directory);
 }
 
+/* The mean of red of a picture, as --json prints it to nine digits. */
+static double mean_of(const cli_directory *directory, const char *const *options)
+{
+    const char *arguments[24] = {"--medium", "grid=good.vol,sigma_s=4",
+                                 "--method", "ordinates",
+                                 "--cells",  "6",
+                                 "--json",   "-o",
+                                 "out.exr"};
+    for (size_t i = 0; options[i] != NULL; i++) {
+        arguments[9 + i] = options[i];
+    }
+    cli_result result = run(directory, arguments);
+    assert_int_equal(result.exit_code, 0);
+    const char *const at = strstr(result.out, "\"mean\": [");
+    assert_non_null(at);
+    const double mean = strtod(at + strlen("\"mean\": ["), NULL);
+    cli_free(&result);
+    return mean;
+}
+
+/* What a bake shows and what media scatter are each what they are without the other; sums of floats
+ * of 24 bits. */
+static void a_bake_takes_nothing_from_the_media(void **state)
+{
+    (void)state;
+    static const char *const bake[] = {
+        "bake", "lit.gltf", "-o", "lit.lightmap", "--medium", "grid=good.vol,sigma_s=4", "--spp",
+        "4",    "-q",       NULL};
+    static const char *const all[] = {"--lightmap", "lit.lightmap", NULL};
+    static const char *const surfaces[] = {"--lightmap", "lit.lightmap", "--terms", "S0,S+", NULL};
+    static const char *const media[] = {"--terms", "M1,M2", NULL};
+    cli_directory directory = enter();
+    cli_result result = cli_run(&directory, bake);
+    assert_int_equal(result.exit_code, 0);
+    cli_free(&result);
+    const double whole = mean_of(&directory, all), of_media = mean_of(&directory, media);
+    const double of_surfaces = mean_of(&directory, surfaces);
+    assert_true(of_media > 0.0 && of_surfaces > 0.0);
+    assert_true(fabs(of_media + of_surfaces - whole) <= 1e-6 * whole);
+    cli_leave(&directory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(input_without_sense_is_refused_and_nothing_written),
         cmocka_unit_test(odd_grids_are_rendered_with_a_warning),
         cmocka_unit_test(every_option_reaches_the_settings),
+        cmocka_unit_test(a_bake_takes_nothing_from_the_media),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -123,10 +123,11 @@ typedef struct air_ordinates_settings {
     uint32_t patches; /* of each lamp with an area, and of surfaces that each light shines on, [1,
                          4096]; default 64 */
     int bands, polar, azimuths; /* of dom, as in air_dom_params; default 5, 6, 12 */
-    uint32_t sweeps;            /* of dom and shdom at most, >= 1; default 64 */
-    double change;              /* of a sweep, below which these end, >= 0; default 1e-3 */
-    uint32_t steps;             /* of literal, cm and six at most, [1, 4096]; default 32 */
-    uint32_t march;             /* looks per cell along camera rays, [1, 64]; default 2 */
+    uint32_t sweeps; /* of dom and shdom at most, >= 1; default 64. A max_depth up to it is
+                        kept; one above is as good as none */
+    double change;   /* of a sweep, below which these end, >= 0; default 1e-3 */
+    uint32_t steps;  /* of literal, cm and six at most, [1, 4096]; default 32 */
+    uint32_t march;  /* looks per cell along camera rays, [1, 64]; default 2 */
     bool prefilter;  /* directions stand for parts of the sky, not for points; default true */
     bool importance; /* directions by what the camera sees of them; default true */
     bool residuum;   /* literal, cm, six: light that has lost its direction goes on in one grid;
