@@ -37,9 +37,9 @@ AIR_API void air_beam_directional(const air_beam_box *box, const float dir[3], v
  * out. The extinction of a cell is constant in it. */
 AIR_API void air_beam_point(const air_beam_box *box, const float position[3], float *out);
 
-/* Optical depth of three channels between two points. */
+/* The four optical depths between two points. */
 AIR_API void air_beam_depth(const air_beam_box *box, const float from[3], const float to[3],
-                            float out[3]);
+                            float out[4]);
 
 /* The mean of 1/r^2 over each cell as seen from a point, one number per cell: times an intensity
  * the fluence of a point light without attenuation. Finite in the cell that holds the point. */

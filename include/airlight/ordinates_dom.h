@@ -106,6 +106,15 @@ AIR_API void air_dom_hanning_beam(int bands, const double dir[3], const double i
 
 /* ---- solving ---- */
 
+/* The directions of travel that are followed, and their solid angles, which sum to 4 pi. */
+AIR_API size_t air_dom_direction_count(const air_dom_params *params);
+AIR_API void air_dom_directions(const air_dom *dom, double (*out_dir)[3], double *out_solid_angle);
+
+/* As air_dom_set_inflow, by the radiance along each of these directions: 4 numbers each, >= 0,
+ * finite. */
+AIR_API air_status air_dom_set_inflow_directions(air_dom *dom, const float *radiance,
+                                                 uint32_t faces);
+
 typedef struct air_dom_solve_params {
     uint32_t sweeps; /* at most, >= 1; default 32 */
     double change;   /* ends when a sweep changes the moments by less than this share of them (root

@@ -34,8 +34,9 @@ typedef struct air_seen_box {
 AIR_API void air_seen_moments(const air_seen_box *box, int bands, const float *moments,
                               const double *factors, size_t begin, size_t end, float *out);
 
-/* Light whose fluence in each cell is fluence (4 numbers) times power, of directions that spread
- * with mean cosine lobe about one direction of travel: dir, or (local) away from a position. */
+/* Light whose fluence in each cell is fluence (4 numbers, the fourth the mean transmittance on the
+ * way there) times power, of directions that spread with mean cosine lobe about one direction of
+ * travel: dir, or (local) away from a position. */
 typedef struct air_seen_beam {
     bool local;
     float dir[3]; /* unit; or the position */
@@ -44,10 +45,22 @@ typedef struct air_seen_beam {
     const float *fluence;
 } air_seen_beam;
 
+/* The peak of a phase function that counts as no event (air_dom_peak): beams then hold what it
+ * scatters as well, which must not be shown again each time that it happens on the way to the
+ * observer, but once. */
+typedef struct air_seen_peak {
+    double share;       /* of the phase function, [0, 1); 0: none, and the rest is not looked at */
+    double ratio;       /* optical depth of such events, over that of the others by which beams are
+                           attenuated */
+    const float *depth; /* the latter from each cell to the observer; NULL: 0 */
+} air_seen_peak;
+
 /* Adds what the phase function scatters of beams, likewise. The lobes widen the phase function:
- * mean cosines are multiplied. [Elek2014, eq. 8] */
+ * mean cosines are multiplied. The peak is what of it is above a certain value. peak NULL: none.
+ * [Elek2014, eq. 8] */
 AIR_API void air_seen_beams(const air_seen_box *box, const air_seen_beam *beams, size_t count,
-                            air_phase phase, size_t begin, size_t end, float *out);
+                            air_phase phase, const air_seen_peak *peak, size_t begin, size_t end,
+                            float *out);
 
 /* Adds the moments of beams' radiance (ordinates_dom.h; bands of them) to out, likewise. */
 AIR_API void air_beam_moments(const air_seen_box *box, const air_seen_beam *beams, size_t count,

@@ -245,7 +245,7 @@ void air_beam_directional(const air_beam_box *box, const float dir[3], void *scr
 /* ---- points ---- */
 
 /* Cells along the segment, by the distances at which it crosses their planes. */
-void air_beam_depth(const air_beam_box *box, const float from[3], const float to[3], float out[3])
+void air_beam_depth(const air_beam_box *box, const float from[3], const float to[3], float out[4])
 {
     float dir[3], t = 0.0f, end = 1.0f, next[3], step[3];
     ptrdiff_t cell[3], way[3];
@@ -265,7 +265,7 @@ void air_beam_depth(const air_beam_box *box, const float from[3], const float to
             end = 0.0f;
         }
     }
-    memset(out, 0, 3 * sizeof *out);
+    memset(out, 0, CHANNELS * sizeof *out);
     if (!(t < end)) {
         return;
     }
@@ -293,9 +293,7 @@ void air_beam_depth(const air_beam_box *box, const float from[3], const float to
             break;
         }
     }
-    for (int c = 0; c < 3; c++) {
-        out[c] = depth[c];
-    }
+    four_store(out, depth);
 }
 
 static void cell_center(const air_beam_box *box, const size_t cell[3], float out[3])
@@ -311,10 +309,10 @@ void air_beam_point(const air_beam_box *box, const float position[3], float *out
     for (cell[2] = 0; cell[2] < box->size[2]; cell[2]++) {
         for (cell[1] = 0; cell[1] < box->size[1]; cell[1]++) {
             for (cell[0] = 0; cell[0] < box->size[0]; cell[0]++, at += CHANNELS) {
-                float center[3], depth[3];
+                float center[3], depth[CHANNELS];
                 cell_center(box, cell, center);
                 air_beam_depth(box, position, center, depth);
-                const four d = {depth[0], depth[1], depth[2], 0.0f};
+                const four d = four_load(depth);
                 four_store(out + at, four_exp(-four_min(d, four_all(DEPTH_MOST))));
             }
         }

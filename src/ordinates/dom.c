@@ -416,14 +416,35 @@ air_status air_dom_set_light(air_dom *dom, const float *moments)
     return status;
 }
 
+/* Direction o of an octant. */
+static void direction_of(const air_dom *dom, int octant, int o, double out[3])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        out[axis] = (octant >> axis & 1) != 0 ? -dom->dir[axis][o] : dom->dir[axis][o];
+    }
+}
+
+static void put_inflow(air_dom *dom, int octant, int o, size_t c, double radiance)
+{
+    const size_t at = (size_t)octant * (size_t)dom->directions + (size_t)o;
+    dom_put(dom, &dom->inflow, at * AIR_DOM_STRIDE + c, radiance);
+}
+
+static air_status check_faces(const air_dom *dom, uint32_t faces)
+{
+    return faces <= 63u
+               ? AIR_OK
+               : air_fail(dom->context, AIR_ERROR_ARGUMENT,
+                          "discrete ordinates: inflow: faces %u: expected bits 0 to 5", faces);
+}
+
 air_status air_dom_set_inflow(air_dom *dom, const float *moments, uint32_t faces)
 {
     double y[DOM_MOMENTS_MAX];
-    if (faces > 63u) {
-        return air_fail(dom->context, AIR_ERROR_ARGUMENT,
-                        "discrete ordinates: inflow: faces %u: expected bits 0 to 5", faces);
+    air_status status = check_faces(dom, faces);
+    if (status == AIR_OK && moments != NULL) {
+        status = check_moments(dom, moments, 1, "inflow");
     }
-    const air_status status = moments != NULL ? check_moments(dom, moments, 1, "inflow") : AIR_OK;
     if (status != AIR_OK) {
         return status;
     }
@@ -431,22 +452,61 @@ air_status air_dom_set_inflow(air_dom *dom, const float *moments, uint32_t faces
     for (int octant = 0; octant < DOM_OCTANTS && moments != NULL; octant++) {
         for (int o = 0; o < dom->directions; o++) {
             double dir[3];
-            for (int axis = 0; axis < 3; axis++) {
-                dir[axis] = (octant >> axis & 1) != 0 ? -dom->dir[axis][o] : dom->dir[axis][o];
-            }
+            direction_of(dom, octant, o, dir);
             air_sh_evaluate(dom->params.bands, dir, y);
             for (size_t c = 0; c < AIR_DOM_STRIDE; c++) {
                 double sum = 0.0;
                 for (size_t m = 0; m < (size_t)dom->moments && c < 3; m++) {
                     sum += y[m] * (double)moments[m * AIR_DOM_STRIDE + c];
                 }
-                dom_put(dom, &dom->inflow,
-                        ((size_t)octant * (size_t)dom->directions + (size_t)o) * AIR_DOM_STRIDE + c,
-                        fmax(sum, 0.0));
+                put_inflow(dom, octant, o, c, fmax(sum, 0.0));
             }
         }
     }
     return AIR_OK;
+}
+
+/* Of one octant, without those that only fill it up. */
+static int real_directions(const air_dom_params *p) { return p->polar / 2 * (p->azimuths / 4); }
+
+size_t air_dom_direction_count(const air_dom_params *params)
+{
+    return (size_t)DOM_OCTANTS * (size_t)real_directions(params);
+}
+
+void air_dom_directions(const air_dom *dom, double (*out_dir)[3], double *out_solid_angle)
+{
+    const int count = real_directions(&dom->params);
+    for (int i = 0; i < DOM_OCTANTS * count; i++) {
+        direction_of(dom, i / count, i % count, out_dir[i]);
+        out_solid_angle[i] = dom->weight[i % count];
+    }
+}
+
+air_status air_dom_set_inflow_directions(air_dom *dom, const float *radiance, uint32_t faces)
+{
+    const int count = real_directions(&dom->params);
+    const size_t all = air_dom_direction_count(&dom->params) * AIR_DOM_STRIDE;
+    const air_status status = check_faces(dom, faces);
+    for (size_t i = 0; status == AIR_OK && i < all; i++) {
+        if (i % AIR_DOM_STRIDE < 3 && !(radiance[i] >= 0.0f && radiance[i] <= 1e15f)) {
+            return air_fail(
+                dom->context, AIR_ERROR_ARGUMENT,
+                "discrete ordinates: inflow: direction %zu, channel %zu: %g: expected 0 "
+                "to 1e15",
+                i / AIR_DOM_STRIDE, i % AIR_DOM_STRIDE, (double)radiance[i]);
+        }
+    }
+    dom->inflow_faces = status == AIR_OK ? faces : dom->inflow_faces;
+    for (int octant = 0; octant < DOM_OCTANTS && status == AIR_OK; octant++) {
+        for (int o = 0; o < dom->directions; o++) { /* those that fill up have no weight */
+            const size_t from = (size_t)(octant * count + (o < count ? o : 0)) * AIR_DOM_STRIDE;
+            for (size_t c = 0; c < 3; c++) {
+                put_inflow(dom, octant, o, c, o < count ? (double)radiance[from + c] : 0.0);
+            }
+        }
+    }
+    return status;
 }
 
 /* ---- results ---- */

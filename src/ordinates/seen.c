@@ -101,20 +101,91 @@ static void beam_directions(const air_seen_box *box, const air_seen_beam *beam, 
     }
 }
 
-static void add_beam(const air_seen_beam *beam, air_phase phase, float dir[3][RUN], float v[3][RUN],
-                     size_t count, size_t cell, float *out)
+/* ---- the peak ---- */
+
+/* Lobes of a phase function: its own, or itself. */
+typedef struct lobes {
+    air_phase_lobe only;
+    const air_phase_lobe *lobes;
+    size_t count;
+} lobes;
+
+static void find_lobes(air_phase phase, lobes *out)
 {
-    const air_phase_lobe only = {phase.kind, phase.g, 1.0f};
     const bool mixture = phase.kind == AIR_PHASE_MIXTURE;
-    const air_phase_lobe *const lobes = mixture ? phase.mixture->lobes : &only;
+    out->only = (air_phase_lobe){phase.kind, phase.g, 1.0f};
+    out->lobes = mixture ? phase.mixture->lobes : &out->only;
+    out->count = mixture ? phase.mixture->lobe_count : 1;
+}
+
+/* Value at a cosine, and how much lies behind it (of smaller cosine), of a lobe seen in a beam. */
+static void lobe_at(const air_phase_lobe *from, double lobe, double cosine, double *value,
+                    double *behind)
+{
+    const double weight = (double)from->weight, quarter = 1.0 / (4.0 * AIR_PI);
+    const double g = from->kind == AIR_PHASE_HG ? (double)from->g * lobe : 0.0;
+    if (from->kind == AIR_PHASE_RAYLEIGH) {
+        const double square = cosine * cosine, half = 0.5 * lobe * lobe;
+        *value += weight * quarter * (1.0 + half * (1.5 * square - 0.5));
+        *behind += weight * 0.5 * (1.0 + cosine + half * 0.5 * cosine * (square - 1.0));
+        return;
+    }
+    const double s = sqrt(1.0 + g * g - 2.0 * g * cosine);
+    *value += weight * quarter * (1.0 - g * g) / (s * s * s);
+    /* (1-g^2)/(2g) (1/s - 1/(1+g)), with g divided out */
+    *behind += weight * 0.5 * (1.0 - g) * (1.0 + cosine) * 2.0 / (s * (1.0 + g + s));
+}
+
+/* The value above which lies `share` of the phase function, which rises ahead. */
+static float find_cap(const lobes *phase, double lobe, double share)
+{
+    double low = -1.0, high = 1.0, value = 0.0;
+    for (int i = 0; i < 40; i++) {
+        const double cosine = 0.5 * (low + high);
+        double behind = 0.0;
+        value = 0.0;
+        for (size_t n = 0; n < phase->count; n++) {
+            lobe_at(&phase->lobes[n], lobe, cosine, &value, &behind);
+        }
+        const bool more = behind + 2.0 * AIR_PI * (1.0 - cosine) * value > 1.0 - share;
+        low = more ? low : cosine;
+        high = more ? cosine : high;
+    }
+    return (float)value;
+}
+
+/* What is above the cap is shown once on the way, as (1 - exp(-d)) / d of each event, d the optical
+ * depth of the peak's events on all of it. */
+static void cap_value(const air_seen_peak *peak, float cap, const air_seen_beam *beam, size_t cell,
+                      size_t count, float value[RUN])
+{
+    for (size_t n = 0; n < count; n++) {
+        if (value[n] <= cap) {
+            continue;
+        }
+        const float through = float_max(beam->fluence[(cell + n) * CHANNELS + 3], 1e-30f);
+        const float out = peak->depth != NULL ? peak->depth[cell + n] : 0.0f;
+        const float depth = (float)peak->ratio * (out - logf(float_min(through, 1.0f)));
+        const float once = depth > 1e-3f ? -expm1f(-depth) / depth : 1.0f - 0.5f * depth;
+        value[n] = cap + once * (value[n] - cap);
+    }
+}
+
+static void add_beam(const air_seen_beam *beam, const lobes *phase, const air_seen_peak *peak,
+                     float cap, float dir[3][RUN], float v[3][RUN], size_t count, size_t cell,
+                     float *out)
+{
     const four power = {beam->power[0], beam->power[1], beam->power[2], 0.0f};
     float cosine[RUN], value[RUN];
     for (size_t n = 0; n < count; n++) {
         cosine[n] = dir[0][n] * v[0][n] + dir[1][n] * v[1][n] + dir[2][n] * v[2][n];
         value[n] = 0.0f;
     }
-    for (size_t i = 0; i < (mixture ? phase.mixture->lobe_count : 1); i++) {
-        add_lobe(&lobes[i], beam->lobe, cosine, count, value);
+    for (size_t i = 0; i < phase->count; i++) {
+        add_lobe(&phase->lobes[i], beam->lobe, cosine, count, value);
+    }
+    if (peak != NULL && peak->share > 0.0) {
+        cap_value(peak, cap, beam, cell, count, value);
     }
     for (size_t n = 0; n < count; n++) {
         float *const at = out + (cell + n) * CHANNELS;
@@ -123,9 +194,11 @@ static void add_beam(const air_seen_beam *beam, air_phase phase, float dir[3][RU
     }
 }
 
-void air_seen_beams(const air_seen_box *box, const air_seen_beam *beams, size_t count,
-                    air_phase phase, size_t begin, size_t end, float *out)
+static void see_beam(const air_seen_box *box, const air_seen_beam *beam, const lobes *phase,
+                     const air_seen_peak *peak, size_t begin, size_t end, float *out)
 {
+    const bool capped = peak != NULL && peak->share > 0.0;
+    const float cap = capped ? find_cap(phase, (double)beam->lobe, peak->share) : 0.0f;
     float v[3][RUN], dir[3][RUN];
     for (size_t k = begin; k < end; k++) {
         for (size_t j = 0; j < box->size[1]; j++) {
@@ -133,14 +206,25 @@ void air_seen_beams(const air_seen_box *box, const air_seen_beam *beams, size_t 
                 const size_t run = box->size[0] - i < RUN ? box->size[0] - i : RUN;
                 const size_t cell = (k * box->size[1] + j) * box->size[0] + i;
                 view_directions(box, i, j, k, run, v);
-                for (size_t b = 0; b < count; b++) {
-                    beam_directions(box, &beams[b], i, j, k, run, dir);
-                    add_beam(&beams[b], phase, dir, v, run, cell, out);
-                }
+                beam_directions(box, beam, i, j, k, run, dir);
+                add_beam(beam, phase, peak, cap, dir, v, run, cell, out);
             }
         }
     }
 }
+
+void air_seen_beams(const air_seen_box *box, const air_seen_beam *beams, size_t count,
+                    air_phase phase, const air_seen_peak *peak, size_t begin, size_t end,
+                    float *out)
+{
+    lobes found;
+    find_lobes(phase, &found);
+    for (size_t b = 0; b < count; b++) {
+        see_beam(box, &beams[b], &found, peak, begin, end, out);
+    }
+}
+
+/* ---- moments ---- */
 
 /* Of one beam in one cell: y_lm of its direction, times lobe^l. */
 static void beam_harmonics(const air_seen_beam *beam, int bands, const float dir[3], float *out)

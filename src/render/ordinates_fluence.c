@@ -73,8 +73,8 @@ static void fluence_of_point(const ord_domain *domain, const ord_source *source,
         const air_vec3 dir = length > 0.0f ? vec3_scale(to, 1.0f / length) : source->normal;
         /* 1 / (r^2 + r_0^2) from the mean of 1 / r^2 */
         const float share = angular_share(source, dir) * spread[cell] / (1.0f + r0 * spread[cell]);
-        for (int c = 0; c < CHANNELS; c++) {
-            out[cell * CHANNELS + (size_t)c] *= share;
+        for (size_t c = 0; c < 3; c++) {
+            out[cell * CHANNELS + c] *= share;
         }
     }
 }
@@ -123,7 +123,7 @@ static void look_at_cells(const ord_domain *domain, const ord_source *source, co
                               air_light_in_windows(source->light, point);
             sum += open ? shares[i * LOOKS + n] : 0.0f;
         }
-        for (size_t c = 0; c < CHANNELS; c++) {
+        for (size_t c = 0; c < 3; c++) {
             out[(begin + i) * CHANNELS + c] *= sum * (1.0f / LOOKS);
         }
     }

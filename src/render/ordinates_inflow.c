@@ -1,89 +1,132 @@
-/* ordinates_inflow.c: which of the sky is followed from the box's faces on. */
+/* ordinates_inflow.c: the sky that is followed from the box's faces on. */
 #include <math.h>
 #include <string.h>
 
-#include "airlight/ordinates_dom.h"
-#include "core/harmonics.h"
+#include "core/host.h"
 #include "render/ordinates_sources.h"
 
-enum { CHANNELS = 4, PROBES = 128 };
+enum { CHANNELS = 4, ROUNDS = 16 };
 
-/* How far below 0 a series may dip, as a share of its mean: solvers cut it there. */
-#define DIP 0.02
+/* Parts of the sky brighter than so many times its mean stay beams: their direction shows. */
+#define BRIGHT 32.0f
 
-static void add_moments(const ord_source *source, int bands, double sign, double *moments)
+bool ord_inflow_choose(ord_source_list *sources)
 {
-    const double dir[3] = {(double)source->place.x, (double)source->place.y,
-                           (double)source->place.z};
-    const double power[3] = {(double)source->power.x, (double)source->power.y,
-                             (double)source->power.z};
-    double y[AIR_SH_COUNT_MAX], lobe = sign;
-    air_sh_evaluate(bands, dir, y);
-    for (int l = 0, m = 0; l < bands; l++) {
-        for (; m < (l + 1) * (l + 1); m++) {
-            for (int c = 0; c < 3; c++) {
-                moments[m * CHANNELS + c] += lobe * y[m] * power[c];
-            }
-        }
-        lobe *= (double)source->lobe;
-    }
-}
-
-/* Does the series stay above 0 in directions all over the sphere, along a spiral? */
-static bool is_positive(int bands, const double *moments)
-{
-    const double golden = AIR_PI * (3.0 - sqrt(5.0)), y00 = sqrt(0.25 / AIR_PI);
-    for (int i = 0; i < PROBES; i++) {
-        const double z = 1.0 - (2.0 * i + 1.0) / PROBES, r = sqrt(1.0 - z * z);
-        const double dir[3] = {r * cos(golden * i), r * sin(golden * i), z};
-        double y[AIR_SH_COUNT_MAX];
-        air_sh_evaluate(bands, dir, y);
-        for (int c = 0; c < 3; c++) {
-            double sum = 0.0;
-            for (int m = 0; m < bands * bands; m++) {
-                sum += y[m] * moments[m * CHANNELS + c];
-            }
-            if (sum < -DIP * moments[c] * y00) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
-/* The one of those that enter by the faces which is brightest for its size; SIZE_MAX: there is
- * none. */
-static size_t brightest(const ord_source_list *sources)
-{
-    size_t found = SIZE_MAX;
-    float most = -1.0f;
+    float flux = 0.0f, angle = 0.0f;
+    bool any = false;
     for (size_t i = 0; i < sources->count; i++) {
         const ord_source *const s = &sources->items[i];
-        const float radiance = s->inflow ? vec3_max(s->power) / s->solid_angle : -1.0f;
-        if (radiance > most) {
-            most = radiance;
-            found = i;
-        }
+        flux += s->solid_angle > 0.0f ? vec3_luminance(s->power) : 0.0f;
+        angle += s->solid_angle;
     }
-    return found;
+    for (size_t i = 0; i < sources->count; i++) {
+        ord_source *const s = &sources->items[i];
+        s->inflow = s->solid_angle > 0.0f &&
+                    vec3_luminance(s->power) * angle <= BRIGHT * flux * s->solid_angle;
+        any = any || s->inflow;
+    }
+    return any;
 }
 
-bool ord_inflow_choose(ord_source_list *sources, int bands, float *out_moments)
+/* How parts of the sky are shared out among the solver's directions: a matrix whose rows, one for
+ * each part, sum to 1. */
+typedef struct sharing {
+    size_t parts, directions;
+    double *share;                  /* [part][direction] */
+    double (*dir)[3], *solid_angle; /* of directions */
+    double *angle;                  /* of parts, so that they sum to 4 pi */
+} sharing;
+
+/* By distance: exp(kappa (cos - 1)), as wide as directions lie apart. */
+static void share_by_distance(const ord_source_list *sources, sharing *self)
 {
-    double moments[AIR_SH_COUNT_MAX * CHANNELS] = {0.0};
-    size_t last;
-    for (size_t i = 0; i < sources->count; i++) {
-        sources->items[i].inflow = sources->items[i].solid_angle > 0.0f;
-        if (sources->items[i].inflow) {
-            add_moments(&sources->items[i], bands, 1.0, moments);
+    const double kappa = 0.5 * (double)self->directions;
+    for (size_t i = 0, part = 0; i < sources->count; i++) {
+        const ord_source *const s = &sources->items[i];
+        if (!s->inflow) {
+            continue;
+        }
+        for (size_t o = 0; o < self->directions; o++) {
+            const double cosine = self->dir[o][0] * (double)s->place.x +
+                                  self->dir[o][1] * (double)s->place.y +
+                                  self->dir[o][2] * (double)s->place.z;
+            self->share[part * self->directions + o] =
+                self->solid_angle[o] * exp(kappa * (cosine - 1.0));
+        }
+        self->angle[part++] = (double)s->solid_angle;
+    }
+}
+
+/* Rows and columns in turn [Sinkhorn1967], so that an even sky is even radiance; rows last, so that
+ * no light is lost. */
+static void balance(sharing *self)
+{
+    for (int round = 0; round < ROUNDS; round++) {
+        for (size_t o = 0; o < self->directions; o++) {
+            double sum = 0.0;
+            for (size_t p = 0; p < self->parts; p++) {
+                sum += self->angle[p] * self->share[p * self->directions + o];
+            }
+            const double scale = sum > 0.0 ? self->solid_angle[o] / sum : 0.0;
+            for (size_t p = 0; p < self->parts; p++) {
+                self->share[p * self->directions + o] *= scale;
+            }
+        }
+        for (size_t p = 0; p < self->parts; p++) {
+            double *const row = self->share + p * self->directions, sum = 0.0;
+            for (size_t o = 0; o < self->directions; o++) {
+                sum += row[o];
+            }
+            for (size_t o = 0; o < self->directions && sum > 0.0; o++) {
+                row[o] /= sum;
+            }
         }
     }
-    while ((last = brightest(sources)) != SIZE_MAX && !is_positive(bands, moments)) {
-        sources->items[last].inflow = false;
-        add_moments(&sources->items[last], bands, -1.0, moments);
+}
+
+static void add_radiance(const ord_source_list *sources, const sharing *self, float *out)
+{
+    for (size_t i = 0, part = 0; i < sources->count; i++) {
+        const ord_source *const s = &sources->items[i];
+        const float power[3] = {s->power.x, s->power.y, s->power.z};
+        for (size_t o = 0; s->inflow && o < self->directions; o++) {
+            const double share = self->share[part * self->directions + o] / self->solid_angle[o];
+            for (size_t c = 0; c < 3; c++) {
+                out[o * CHANNELS + c] += (float)(share * (double)power[c]);
+            }
+        }
+        part += s->inflow ? 1 : 0;
     }
-    for (int i = 0; i < bands * bands * CHANNELS; i++) {
-        out_moments[i] = (float)moments[i];
+}
+
+air_status ord_inflow_set(const ord_source_list *sources, const air_dom_params *params,
+                          air_dom *dom)
+{
+    air_context *const context = sources->context;
+    sharing self = {.directions = air_dom_direction_count(params)};
+    air_status status = AIR_OK;
+    for (size_t i = 0; i < sources->count; i++) {
+        self.parts += sources->items[i].inflow ? 1 : 0;
     }
-    return last != SIZE_MAX;
+    self.share = air_allocate(context, self.parts * self.directions, sizeof *self.share);
+    self.dir = air_allocate(context, self.directions, sizeof *self.dir);
+    self.solid_angle = air_allocate(context, self.directions, sizeof *self.solid_angle);
+    self.angle = air_allocate(context, self.parts, sizeof *self.angle);
+    float *const radiance = air_allocate(context, self.directions * CHANNELS, sizeof *radiance);
+    if (self.share == NULL || self.dir == NULL || self.solid_angle == NULL || self.angle == NULL ||
+        radiance == NULL) {
+        status = air_fail_memory(context, "ordinates: sky");
+    } else {
+        air_dom_directions(dom, self.dir, self.solid_angle);
+        share_by_distance(sources, &self);
+        balance(&self);
+        add_radiance(sources, &self, radiance);
+        status = air_dom_set_inflow_directions(dom, radiance, 63);
+    }
+    air_free(context, self.share);
+    air_free(context, self.dir);
+    air_free(context, self.solid_angle);
+    air_free(context, self.angle);
+    air_free(context, radiance);
+    return status;
 }

@@ -3,12 +3,16 @@
 #include <math.h>
 #include <string.h>
 
+#include "airlight/ordinates_beam.h"
 #include "airlight/ordinates_dom.h"
 #include "core/phase.h"
 #include "render/ordinates_sources.h"
 #include "render/ordinates_state.h"
 
 enum { CHANNELS = 4, BLOCK = ORD_BLOCK };
+
+/* Optical depth of a cell from which on the sky enters by the box's faces. */
+#define THICK 0.4
 
 /* All that one solution needs. */
 typedef struct solving {
@@ -19,9 +23,11 @@ typedef struct solving {
     air_dom_params dom;
     air_dom_phase phase;
     ord_source_list sources;
-    float *extinction[2]; /* for all light, and the true one; 4 per cell */
-    float *moments;       /* of beams */
-    bool inflow;          /* some of the sky enters by the faces: */
+    float *extinction[2]; /* for all light, and the true one; channels and mean of each cell */
+    float *view_depth;    /* between each cell and the camera, by the former */
+    double peak_ratio;
+    float *moments; /* of beams */
+    bool inflow;    /* some of the sky enters by the faces: */
     float inflow_moments[AIR_DOM_BANDS_MAX * AIR_DOM_BANDS_MAX * CHANNELS];
     float *through;    /* moments of it, where it was not scattered */
     float *fluence[2]; /* of a block's sources, likewise */
@@ -84,6 +90,48 @@ static void set_extinction(solving *self)
             self->extinction[0][cell * CHANNELS + c] = (float)scaled_extinction(self, i);
             self->extinction[1][cell * CHANNELS + c] = d->sigma_s[i] + d->sigma_a[i];
         }
+        for (int i = 0; i < 2; i++) {
+            float *const at = self->extinction[i] + cell * CHANNELS;
+            at[3] = (at[0] + at[1] + at[2]) * (1.0f / 3.0f);
+        }
+    }
+}
+
+/* Of all cells: optical depth of events that count as none, over that of the others. */
+static double peak_ratio(const solving *self)
+{
+    double all = 0.0, scaled = 0.0;
+    for (size_t cell = 0; cell < self->domain->cells; cell++) {
+        all += (double)self->extinction[1][cell * CHANNELS + 3];
+        scaled += (double)self->extinction[0][cell * CHANNELS + 3];
+    }
+    return scaled > 0.0 ? all / scaled - 1.0 : 0.0;
+}
+
+/* Depths between cells and camera. */
+static void look_back_slab(void *user, size_t k, size_t worker)
+{
+    solving *const self = user;
+    const ord_domain *const d = self->domain;
+    const size_t slab = d->size[0] * d->size[1];
+    const air_beam_box box = {{d->size[0], d->size[1], d->size[2]},
+                              {d->cell_m, d->cell_m, d->cell_m},
+                              self->extinction[0]};
+    const float far = 4.0f * d->cell_m * (float)(ptrdiff_t)(d->size[0] + d->size[1] + d->size[2]);
+    (void)worker;
+    for (size_t cell = k * slab; cell < (k + 1) * slab; cell++) {
+        float center[3], observer[3], depth[CHANNELS];
+        size_t at[3];
+        ord_domain_cell(d, cell, at);
+        for (int axis = 0; axis < 3; axis++) {
+            center[axis] = ((float)(ptrdiff_t)at[axis] + 0.5f) * d->cell_m;
+            observer[axis] = self->box.observer[axis];
+            if (self->box.distant) {
+                observer[axis] = center[axis] + far * observer[axis];
+            }
+        }
+        air_beam_depth(&box, center, observer, depth);
+        self->view_depth[cell] = depth[3];
     }
 }
 
@@ -117,10 +165,13 @@ static void take_slab(void *user, size_t k, size_t worker)
         const ord_medium *const medium = &self->with->media[m];
         const air_phase phase = self->with->snapshot->media.media[m].phase;
         if (medium->light != NULL) {
-            air_seen_beams(&self->box, self->beams[0], self->count, phase, k, k + 1, medium->light);
+            const air_seen_peak peak = {(double)medium->peak, self->peak_ratio, self->view_depth};
+            air_seen_beams(&self->box, self->beams[0], self->count, phase, &peak, k, k + 1,
+                           medium->light);
         }
         if (medium->first != NULL) {
-            air_seen_beams(&self->box, self->beams[1], self->count, phase, k, k + 1, medium->first);
+            air_seen_beams(&self->box, self->beams[1], self->count, phase, NULL, k, k + 1,
+                           medium->first);
         }
     }
 }
@@ -193,7 +244,7 @@ static air_status scatter(solving *self, uint32_t max_depth)
         status = air_dom_set_light(dom, self->moments);
     }
     if (status == AIR_OK && self->inflow) {
-        status = air_dom_set_inflow(dom, self->inflow_moments, 63);
+        status = ord_inflow_set(&self->sources, &self->dom, dom);
     }
     if (status == AIR_OK) {
         status = air_dom_solve(dom, &params, NULL);
@@ -223,6 +274,19 @@ static void set_box(solving *self, const air_camera_view *view)
     vec3_store(self->box.observer, to);
 }
 
+/* Can the sky enter by the box's faces? Nothing may stand between, sweep n must not stand for n
+ * further events, and it must be worth it: in thin cells beams are truer. */
+static bool may_flow_in(const solving *self, const air_render_params *params)
+{
+    const ord_domain *const d = self->domain;
+    double most = 0.0;
+    for (size_t i = 0; i < 3 * d->cells; i++) {
+        most = fmax(most, scaled_extinction(self, i));
+    }
+    return params->max_depth == UINT32_MAX && self->with->snapshot->accelerator == NULL &&
+           most * (double)d->cell_m > THICK;
+}
+
 static bool make_arrays(solving *self, bool deep)
 {
     air_context *const context = self->with->context;
@@ -248,7 +312,8 @@ static bool make_arrays(solving *self, bool deep)
         self->through = air_allocate(context, cells * bands * bands * CHANNELS, sizeof(float));
         made = made && self->through != NULL;
     }
-    return made && self->scratch != NULL;
+    self->view_depth = air_allocate(context, cells, sizeof *self->view_depth);
+    return made && self->scratch != NULL && self->view_depth != NULL;
 }
 
 static void free_arrays(solving *self)
@@ -260,6 +325,7 @@ static void free_arrays(solving *self)
     }
     air_free(context, self->moments);
     air_free(context, self->through);
+    air_free(context, self->view_depth);
     air_free(context, self->scratch);
     ord_sources_finish(&self->sources);
 }
@@ -310,17 +376,16 @@ air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
     }
     set_phase(&self);
     status = ord_sources_make(&lighting, &self.sources);
-    /* Sweep n must add light of n further events where their number is limited, and nothing may
-     * stand between the faces and the sky. */
-    if (status == AIR_OK && deep && params->max_depth == UINT32_MAX &&
-        with->snapshot->accelerator == NULL) {
-        self.inflow = ord_inflow_choose(&self.sources, self.dom.bands, self.inflow_moments);
+    if (status == AIR_OK && deep && may_flow_in(&self, params)) {
+        self.inflow = ord_inflow_choose(&self.sources);
     }
     if (status == AIR_OK && !make_arrays(&self, deep)) {
         status = air_fail_memory(with->context, "ordinates: light");
     }
     if (status == AIR_OK) {
         set_extinction(&self);
+        self.peak_ratio = peak_ratio(&self);
+        air_parallel_for(with->context, self.domain->size[2], look_back_slab, &self);
         status = take_sources(&self);
     }
     if (status == AIR_OK && deep) {

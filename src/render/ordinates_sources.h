@@ -3,6 +3,7 @@
 #ifndef AIR_RENDER_ORDINATES_SOURCES_H
 #define AIR_RENDER_ORDINATES_SOURCES_H
 
+#include "airlight/ordinates_dom.h"
 #include "airlight/ordinates_view.h"
 #include "path/path.h"
 #include "render/ordinates_domain.h"
@@ -42,17 +43,21 @@ air_status ord_sources_make(const ord_lighting *lighting, ord_source_list *out);
 air_status ord_sources_add(ord_source_list *list, const ord_source *source);
 void ord_sources_finish(ord_source_list *list);
 
-/* Marks those parts of the sky that a series of so many bands can show without dipping below 0, and
- * gives the series' moments (bands^2, 4 numbers each). Solvers that follow them from the box's
- * faces on are right in dense boxes, too, whose outermost cells have all of the light by a thin
- * layer; the rest, suns and bright windows, are beams. False: there is no such part. */
-bool ord_inflow_choose(ord_source_list *sources, int bands, float *out_moments);
+/* Marks the parts of the sky that are to enter the solver's box by its faces. That is right in
+ * dense boxes, too, whose outermost cells have all of the light by a layer thinner than they are;
+ * suns and bright windows, whose direction shows, stay beams. False: there is no such part. */
+bool ord_inflow_choose(ord_source_list *sources);
+
+/* Gives them to the solver: each is shared out among the directions about it. */
+air_status ord_inflow_set(const ord_source_list *sources, const air_dom_params *params,
+                          air_dom *dom);
 
 /* Scratch of ord_source_fluence: bytes. */
 size_t ord_source_scratch(const ord_domain *domain);
 
-/* Mean fluence of a source in every cell, 4 numbers each, for power 1: attenuated by extinction (4
- * per cell, per metre), hidden by surfaces. */
+/* Mean fluence of a source in every cell, three numbers and the transmittance on the way there, for
+ * power 1: attenuated by extinction (three channels and their mean per cell, per metre), hidden by
+ * surfaces. */
 void ord_source_fluence(const ord_domain *domain, const ord_source *source, const air_path *path,
                         const float *extinction, void *scratch, float *out);
 
