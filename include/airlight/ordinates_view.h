@@ -39,7 +39,8 @@ AIR_API void air_seen_moments(const air_seen_box *box, int bands, const float *m
  * travel: dir, or (local) away from a position. */
 typedef struct air_seen_beam {
     bool local;
-    float dir[3]; /* unit; or the position */
+    bool peakless; /* the peak (air_seen_peak) is not shown: the caller does it otherwise */
+    float dir[3];  /* unit; or the position */
     float power[3];
     float lobe;
     const float *fluence;
@@ -54,6 +55,10 @@ typedef struct air_seen_peak {
                            attenuated */
     const float *depth; /* the latter from each cell to the observer; NULL: 0 */
 } air_seen_peak;
+
+/* The value above which lies `share` of a phase function that rises ahead, seen in light of mean
+ * cosine lobe. */
+AIR_API float air_seen_cap(air_phase phase, float lobe, double share);
 
 /* Adds what the phase function scatters of beams, likewise. The lobes widen the phase function:
  * mean cosines are multiplied. The peak is what of it is above a certain value. peak NULL: none.

@@ -154,13 +154,21 @@ static float find_cap(const lobes *phase, double lobe, double share)
     return (float)value;
 }
 
+float air_seen_cap(air_phase phase, float lobe, double share)
+{
+    lobes found;
+    find_lobes(phase, &found);
+    return find_cap(&found, (double)lobe, share);
+}
+
 /* What is above the cap is shown once on the way, as (1 - exp(-d)) / d of each event, d the optical
  * depth of the peak's events on all of it. */
 static void cap_value(const air_seen_peak *peak, float cap, const air_seen_beam *beam, size_t cell,
                       size_t count, float value[RUN])
 {
     for (size_t n = 0; n < count; n++) {
-        if (value[n] <= cap) {
+        if (value[n] <= cap || beam->peakless) {
+            value[n] = float_min(value[n], cap);
             continue;
         }
         const float through = float_max(beam->fluence[(cell + n) * CHANNELS + 3], 1e-30f);

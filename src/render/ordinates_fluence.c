@@ -149,7 +149,8 @@ void ord_source_fluence(const ord_domain *domain, const ord_source *source, cons
 air_seen_beam ord_source_beam(const ord_domain *domain, const ord_source *source,
                               const float *fluence)
 {
-    air_seen_beam beam = {.local = source->local, .lobe = source->lobe, .fluence = fluence};
+    air_seen_beam beam = {
+        .local = source->local, .peakless = source->sky, .lobe = source->lobe, .fluence = fluence};
     vec3_store(beam.dir, source->local ? ord_domain_local(domain, source->place) : source->place);
     vec3_store(beam.power, source->power);
     return beam;

@@ -158,4 +158,8 @@ void ord_march(const air_with_ordinates *with, air_ordinates_scratch *scratch,
             }
         }
     }
+    if (with->all && !met) {
+        const air_vec3 peak = vec3_sub(through[0], through[1]);
+        out[0] = vec3_add(out[0], vec3_mul(peak, ord_sky_radiance(&with->sky, lane->dir)));
+    }
 }

@@ -356,6 +356,19 @@ static air_status make_media(air_with_ordinates *with, const air_dom_params *dom
     return made ? AIR_OK : air_fail_memory(with->context, "ordinates: media");
 }
 
+/* The sky is blurred by the medium that scatters most. */
+static air_status make_sky(air_with_ordinates *with, const air_owner_table *owners)
+{
+    const air_media *const media = &with->snapshot->media;
+    size_t most = 0;
+    for (size_t i = 1; i < media->count; i++) {
+        const bool more = vec3_max(media->media[i].sigma_s) > vec3_max(media->media[most].sigma_s);
+        most = more ? i : most;
+    }
+    return ord_sky_make(with->snapshot, owners, media->media[most].phase,
+                        (double)with->media[most].peak, &with->sky);
+}
+
 air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
                      const air_camera_view *view, const air_render_params *params)
 {
@@ -375,6 +388,10 @@ air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
         return status;
     }
     set_phase(&self);
+    status = with->all ? make_sky(with, owners) : AIR_OK;
+    if (status != AIR_OK) {
+        return status;
+    }
     status = ord_sources_make(&lighting, &self.sources);
     if (status == AIR_OK && deep && may_flow_in(&self, params)) {
         self.inflow = ord_inflow_choose(&self.sources);

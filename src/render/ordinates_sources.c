@@ -45,7 +45,8 @@ static air_status add_ordinates(const air_light *light, const air_ordinate *ordi
                 vec3((float)o->irradiance[0], (float)o->irradiance[1], (float)o->irradiance[2]),
             .lobe = prefilter ? (float)o->lobe : 1.0f,
             .solid_angle = prefilter ? (float)o->solid_angle : 0.0f,
-            .casts_shadow = light->casts_shadow};
+            .casts_shadow = light->casts_shadow,
+            .sky = true};
         if (!vec3_is_zero(source.power)) {
             status = ord_sources_add(out, &source);
         }

@@ -21,6 +21,7 @@ typedef struct ord_source {
     air_vec3 normal;
     const air_light *light; /* whose windows or cone apply; NULL: none */
     float solid_angle;      /* of a part of the sky; 0: it is none */
+    bool sky;               /* of an environment: cameras see its peak by ordinates_sky.h */
     bool inflow;            /* see ord_inflow_choose */
 } ord_source;
 

@@ -3,6 +3,7 @@
 #define AIR_RENDER_ORDINATES_STATE_H
 
 #include "render/ordinates_domain.h"
+#include "render/ordinates_sky.h"
 #include "render/with_ordinates.h"
 
 /* One medium as the march meets it. */
@@ -19,6 +20,7 @@ struct air_with_ordinates {
     const air_path *path;
     const air_ordinates_settings *settings;
     ord_domain domain;
+    ord_sky sky;
     ord_medium *media; /* by medium */
     size_t medium_count;
     float *extinction; /* of each cell, mean over channels */

@@ -146,6 +146,7 @@ void air_with_ordinates_destroy(air_with_ordinates *with)
         air_free(with->context, with->media[i].first);
     }
     air_free(with->context, with->media);
+    ord_sky_finish(&with->sky);
     air_free(with->context, with->extinction);
     ord_domain_finish(&with->domain);
     air_free(with->context, with);
