@@ -26,7 +26,7 @@ typedef struct quality {
 } quality;
 
 static const quality qualities[] = {
-    {4, UINT32_MAX, "interactive", 20, 64, 16, 8, 20, 1, 4},
+    {4, UINT32_MAX, "interactive", 20, 64, 16, 24, 20, 1, 4},
     {16, 8, "auto", 24, 64, 32, 16, 24, 2, 4},
     {64, 32, "auto", 32, 128, 64, 64, 32, 2, 6},
     {512, UINT32_MAX, "auto", 48, 256, 256, 256, 48, 2, 8},
