@@ -31,8 +31,7 @@ size_t ord_source_scratch(const ord_domain *domain)
     return spread > beam ? spread : beam;
 }
 
-/* Of the intensity, towards a direction. */
-static float angular_share(const ord_source *source, air_vec3 dir)
+float ord_source_intensity(const ord_source *source, air_vec3 dir)
 {
     float share = 1.0f;
     if (source->cosine) {
@@ -72,7 +71,8 @@ static void fluence_of_point(const ord_domain *domain, const ord_source *source,
         const float length = vec3_length(to);
         const air_vec3 dir = length > 0.0f ? vec3_scale(to, 1.0f / length) : source->normal;
         /* 1 / (r^2 + r_0^2) from the mean of 1 / r^2 */
-        const float share = angular_share(source, dir) * spread[cell] / (1.0f + r0 * spread[cell]);
+        const float share =
+            ord_source_intensity(source, dir) * spread[cell] / (1.0f + r0 * spread[cell]);
         for (size_t c = 0; c < 3; c++) {
             out[cell * CHANNELS + c] *= share;
         }
@@ -101,6 +101,20 @@ static air_ray ray_to_source(const ord_source *source, air_vec3 point)
     }
     vec3_store(ray.dir, dir);
     return ray;
+}
+
+float ord_source_share(const ord_source *source, const air_path *path, air_vec3 point)
+{
+    uint8_t occluded;
+    float share = 1.0f;
+    if (is_hidden_anywhere(source, path)) {
+        const air_ray ray = ray_to_source(source, point);
+        const bool open =
+            source->local || source->light == NULL || air_light_in_windows(source->light, point);
+        air_path_shares(path, &ray, 1, &occluded, &share);
+        share = open ? share : 0.0f;
+    }
+    return share;
 }
 
 /* The share of LOOKS places of up to PACKET / LOOKS cells that see the source. */

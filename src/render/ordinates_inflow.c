@@ -21,7 +21,7 @@ bool ord_inflow_choose(ord_source_list *sources)
     }
     for (size_t i = 0; i < sources->count; i++) {
         ord_source *const s = &sources->items[i];
-        s->inflow = s->solid_angle > 0.0f &&
+        s->inflow = s->solid_angle > 0.0f && s->mode == AIR_ORDINATES_MODE_DOM &&
                     vec3_luminance(s->power) * angle <= BRIGHT * flux * s->solid_angle;
         any = any || s->inflow;
     }

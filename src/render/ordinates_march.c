@@ -71,9 +71,13 @@ static air_vec3 gather(const corners *c, const float *light)
     return vec3(float_max(sum.x, 0.0f), float_max(sum.y, 0.0f), float_max(sum.z, 0.0f));
 }
 
-/* The media at a point: [0] as `all` sees them, [1] as `single` does. */
+/* What is marched for: the solver's light, with its extinction, and with the true one that of first
+ * events alone, and that of grids. */
+enum { SOLVED = 0, FIRST = 1, CARRIED = 2, MARCHES = 3 };
+
+/* The media at a point. */
 typedef struct look {
-    air_vec3 sigma_t[2], sent[2];
+    air_vec3 sigma_t[MARCHES], sent[MARCHES];
 } look;
 
 static look look_at(const air_with_ordinates *with, uint64_t regions, air_vec3 point)
@@ -91,21 +95,27 @@ static look look_at(const air_with_ordinates *with, uint64_t regions, air_vec3 p
             air_medium_coefficients(&media->media[region->medium], region, point);
         medium[count] = region->medium;
         sigma_s[count] = found.sigma_s;
-        out.sigma_t[1] = vec3_add(out.sigma_t[1], found.sigma_t);
-        out.sigma_t[0] =
-            vec3_add(out.sigma_t[0],
+        out.sigma_t[FIRST] = vec3_add(out.sigma_t[FIRST], found.sigma_t);
+        out.sigma_t[SOLVED] =
+            vec3_add(out.sigma_t[SOLVED],
                      vec3_madd(found.sigma_t, -with->media[region->medium].peak, found.sigma_s));
     }
+    out.sigma_t[CARRIED] = out.sigma_t[FIRST];
     if (with->settings->bilateral) {
-        weigh_by_extinction(with, vec3_mean(out.sigma_t[1]), &c);
+        weigh_by_extinction(with, vec3_mean(out.sigma_t[FIRST]), &c);
     }
     for (size_t i = 0; i < count; i++) {
         const ord_medium *const m = &with->media[medium[i]];
         if (m->light != NULL) {
-            out.sent[0] = vec3_add(out.sent[0], vec3_mul(sigma_s[i], gather(&c, m->light)));
+            out.sent[SOLVED] =
+                vec3_add(out.sent[SOLVED], vec3_mul(sigma_s[i], gather(&c, m->light)));
         }
         if (m->first != NULL) {
-            out.sent[1] = vec3_add(out.sent[1], vec3_mul(sigma_s[i], gather(&c, m->first)));
+            out.sent[FIRST] = vec3_add(out.sent[FIRST], vec3_mul(sigma_s[i], gather(&c, m->first)));
+        }
+        if (with->carried != NULL) {
+            out.sent[CARRIED] =
+                vec3_add(out.sent[CARRIED], vec3_mul(sigma_s[i], gather(&c, with->carried)));
         }
     }
     return out;
@@ -131,14 +141,14 @@ static void step(air_vec3 sigma_t, air_vec3 sent, float length, air_vec3 *throug
     *through = vec3_mul(*through, left);
 }
 
-void ord_march(const air_with_ordinates *with, air_ordinates_scratch *scratch,
+void ord_march(const air_with_ordinates *with, air_march_scratch *scratch,
                const air_path_lane *lane, air_vec3 out[2])
 {
     const bool met = lane->hit.mesh != (uint32_t)AIR_NO_HIT;
     const float longest = with->domain.cell_m / (float)with->settings->march;
-    air_vec3 through[2] = {vec3_set1(1.0f), vec3_set1(1.0f)};
+    const air_vec3 one = vec3_set1(1.0f), none = vec3_set1(0.0f);
+    air_vec3 through[MARCHES] = {one, one, one}, sum[MARCHES] = {none, none, none};
     air_ray_media *const media = &scratch->media;
-    out[0] = out[1] = vec3_set1(0.0f);
     air_ray_media_make(media, &with->snapshot->media, lane->origin, lane->dir,
                        met ? lane->hit.t : AIR_FAR);
     for (size_t s = 0; s < media->count; s++) {
@@ -150,16 +160,20 @@ void ord_march(const air_with_ordinates *with, air_ordinates_scratch *scratch,
             const float t = segment->t0 + (n + lane->u_distance) * length;
             const look seen =
                 look_at(with, segment->regions, vec3_madd(lane->origin, t, lane->dir));
-            for (int i = 0; i < 2; i++) {
-                step(seen.sigma_t[i], seen.sent[i], length, &through[i], &out[i]);
+            for (int i = 0; i < MARCHES; i++) {
+                step(seen.sigma_t[i], seen.sent[i], length, &through[i], &sum[i]);
             }
-            if (vec3_max(through[0]) < LEAST_SHARE) {
-                return;
+            if (vec3_max(through[SOLVED]) < LEAST_SHARE) {
+                s = media->count;
+                break;
             }
         }
     }
     if (with->all && !met) {
-        const air_vec3 peak = vec3_sub(through[0], through[1]);
-        out[0] = vec3_add(out[0], vec3_mul(peak, ord_sky_radiance(&with->sky, lane->dir)));
+        const air_vec3 peak = vec3_sub(through[SOLVED], through[FIRST]);
+        sum[SOLVED] =
+            vec3_add(sum[SOLVED], vec3_mul(peak, ord_sky_radiance(&with->sky, lane->dir)));
     }
+    out[0] = vec3_add(sum[SOLVED], sum[CARRIED]);
+    out[1] = sum[FIRST];
 }

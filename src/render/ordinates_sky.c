@@ -5,6 +5,7 @@
 
 #include "airlight/ordinates_view.h"
 #include "core/phase.h"
+#include "render/with_ordinates.h"
 #include "scene/lights/environment.h"
 
 enum { WIDTH = ORD_SKY_WIDTH, HEIGHT = ORD_SKY_HEIGHT, STRIDE = 4 };
@@ -125,7 +126,8 @@ air_status ord_sky_make(const air_snapshot *snapshot, const air_owner_table *own
         out->maps != NULL ? AIR_OK : air_fail_memory(out->context, "ordinates: sky");
     for (size_t i = 0; i < lights->explicit_count && status == AIR_OK; i++) {
         if (lights->entries[i].kind == AIR_LIGHT_ENVIRONMENT &&
-            air_owner_table_uses(owners, i, AIR_METHOD_ORDINATES)) {
+            air_owner_table_uses(owners, i, AIR_METHOD_ORDINATES) &&
+            owners->modes[i] == AIR_ORDINATES_MODE_DOM) {
             status = make_map(out, &lights->entries[i], phase, share);
         }
     }

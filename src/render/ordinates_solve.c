@@ -6,6 +6,7 @@
 #include "airlight/ordinates_beam.h"
 #include "airlight/ordinates_dom.h"
 #include "core/phase.h"
+#include "render/ordinates_grids.h"
 #include "render/ordinates_sources.h"
 #include "render/ordinates_state.h"
 
@@ -34,7 +35,7 @@ typedef struct solving {
     char *scratch;     /* of a block's sources */
     size_t scratch_size;
     air_seen_beam beams[2][BLOCK];
-    size_t begin, count;               /* the block */
+    size_t begin, count, solved; /* the block, of which the first are the solver's */
     double factors[AIR_DOM_BANDS_MAX]; /* of the medium under way */
     size_t medium;
 } solving;
@@ -143,7 +144,7 @@ static void fill_source(void *user, size_t index, size_t worker)
     const ord_source *const source = &self->sources.items[self->begin + index];
     (void)worker;
     for (int i = 0; i < 2; i++) {
-        if (self->fluence[i] != NULL) {
+        if (self->fluence[i] != NULL && (i == 1 || index < self->solved)) {
             float *const out = self->fluence[i] + index * self->domain->cells * CHANNELS;
             ord_source_fluence(self->domain, source, self->path, self->extinction[i],
                                self->scratch + index * self->scratch_size, out);
@@ -156,7 +157,7 @@ static void take_slab(void *user, size_t k, size_t worker)
 {
     solving *const self = user;
     (void)worker;
-    for (size_t i = 0; self->moments != NULL && i < self->count; i++) {
+    for (size_t i = 0; self->moments != NULL && i < self->solved; i++) {
         const bool inflow = self->sources.items[self->begin + i].inflow;
         air_beam_moments(&self->box, &self->beams[0][i], 1, self->dom.bands, k, k + 1,
                          inflow ? self->through : self->moments);
@@ -166,7 +167,7 @@ static void take_slab(void *user, size_t k, size_t worker)
         const air_phase phase = self->with->snapshot->media.media[m].phase;
         if (medium->light != NULL) {
             const air_seen_peak peak = {(double)medium->peak, self->peak_ratio, self->view_depth};
-            air_seen_beams(&self->box, self->beams[0], self->count, phase, &peak, k, k + 1,
+            air_seen_beams(&self->box, self->beams[0], self->solved, phase, &peak, k, k + 1,
                            medium->light);
         }
         if (medium->first != NULL) {
@@ -176,12 +177,31 @@ static void take_slab(void *user, size_t k, size_t worker)
     }
 }
 
+/* Brings the sources of mode dom to the front, in their order; returns their number. */
+static size_t solved_first(ord_source_list *sources)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < sources->count; i++) {
+        const ord_source source = sources->items[i];
+        if (source.mode == AIR_ORDINATES_MODE_DOM) {
+            memmove(&sources->items[count + 1], &sources->items[count],
+                    (i - count) * sizeof source);
+            sources->items[count++] = source;
+        }
+    }
+    return count;
+}
+
 static air_status take_sources(solving *self)
 {
     air_context *const context = self->with->context;
-    for (self->begin = 0; self->begin < self->sources.count; self->begin += BLOCK) {
-        const size_t rest = self->sources.count - self->begin;
+    const size_t solved = solved_first(&self->sources);
+    const size_t end = self->with->single ? self->sources.count : solved;
+    for (self->begin = 0; self->begin < end; self->begin += BLOCK) {
+        const size_t rest = end - self->begin,
+                     own = solved > self->begin ? solved - self->begin : 0;
         self->count = rest < BLOCK ? rest : BLOCK;
+        self->solved = own < self->count ? own : self->count;
         air_parallel_for(context, self->count, fill_source, self);
         air_parallel_for(context, self->domain->size[2], take_slab, self);
         if (!air_progress(context, 0.0, "light in cells")) {
@@ -356,6 +376,29 @@ static air_status make_media(air_with_ordinates *with, const air_dom_params *dom
     return made ? AIR_OK : air_fail_memory(with->context, "ordinates: media");
 }
 
+/* Light of the other modes. */
+static air_status carry(solving *self)
+{
+    air_with_ordinates *const with = self->with;
+    ord_carrying carrying = {.with = with,
+                             .domain = self->domain,
+                             .sources = &self->sources,
+                             .box = self->box,
+                             .extinction = self->extinction[1],
+                             .phase = self->phase};
+    bool any = false;
+    for (size_t i = 0; i < self->sources.count; i++) {
+        any = any || self->sources.items[i].mode != AIR_ORDINATES_MODE_DOM;
+    }
+    if (!any) {
+        return AIR_OK;
+    }
+    with->carried =
+        air_allocate(with->context, self->domain->cells * CHANNELS, sizeof *with->carried);
+    return with->carried != NULL ? ord_carry(&carrying)
+                                 : air_fail_memory(with->context, "ordinates: grids");
+}
+
 /* The sky is blurred by the medium that scatters most. */
 static air_status make_sky(air_with_ordinates *with, const air_owner_table *owners)
 {
@@ -405,8 +448,12 @@ air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
         air_parallel_for(with->context, self.domain->size[2], look_back_slab, &self);
         status = take_sources(&self);
     }
-    if (status == AIR_OK && deep) {
+    if (status == AIR_OK && deep && self.sources.count > 0 &&
+        self.sources.items[0].mode == AIR_ORDINATES_MODE_DOM) {
         status = scatter(&self, params->max_depth);
+    }
+    if (status == AIR_OK && with->all) {
+        status = carry(&self);
     }
     free_arrays(&self);
     return status;

@@ -168,6 +168,15 @@ static air_status add_patches(const ord_lighting *lighting, size_t begin, size_t
     return status;
 }
 
+/* What was added since came from this owner's light. */
+static void set_mode(const air_owner_table *owners, size_t owner, size_t since,
+                     ord_source_list *out)
+{
+    for (size_t i = since; i < out->count; i++) {
+        out->items[i].mode = (air_ordinates_mode)owners->modes[owner];
+    }
+}
+
 air_status ord_sources_make(const ord_lighting *lighting, ord_source_list *out)
 {
     const air_snapshot *const snapshot = lighting->path->snapshot;
@@ -180,13 +189,17 @@ air_status ord_sources_make(const ord_lighting *lighting, ord_source_list *out)
         if (!air_owner_table_uses(lighting->owners, i, AIR_METHOD_ORDINATES)) {
             continue;
         }
+        const size_t since = out->count;
         status = light->kind == AIR_LIGHT_ENVIRONMENT ? add_environment(lighting, light, out)
                  : light->kind == AIR_LIGHT_POLYGON   ? add_patches(lighting, i, i + 1, out)
                                                       : add_plain(light, out);
+        set_mode(lighting->owners, i, since, out);
     }
+    const size_t since = out->count;
     if (status == AIR_OK && table->owner_count > table->explicit_count &&
         air_owner_table_uses(lighting->owners, table->explicit_count, AIR_METHOD_ORDINATES)) {
         status = add_patches(lighting, table->explicit_count, table->count, out);
+        set_mode(lighting->owners, table->explicit_count, since, out);
     }
     return status;
 }

@@ -8,6 +8,7 @@
 #include "path/path.h"
 #include "render/ordinates_domain.h"
 #include "render/owner.h"
+#include "render/with_ordinates.h"
 
 /* World space. */
 typedef struct ord_source {
@@ -21,8 +22,9 @@ typedef struct ord_source {
     air_vec3 normal;
     const air_light *light; /* whose windows or cone apply; NULL: none */
     float solid_angle;      /* of a part of the sky; 0: it is none */
-    bool sky;               /* of an environment: cameras see its peak by ordinates_sky.h */
-    bool inflow;            /* see ord_inflow_choose */
+    air_ordinates_mode mode;
+    bool sky;    /* of an environment: cameras see its peak by ordinates_sky.h */
+    bool inflow; /* see ord_inflow_choose */
 } ord_source;
 
 typedef struct ord_source_list {
@@ -61,6 +63,11 @@ size_t ord_source_scratch(const ord_domain *domain);
  * surfaces. */
 void ord_source_fluence(const ord_domain *domain, const ord_source *source, const air_path *path,
                         const float *extinction, void *scratch, float *out);
+
+/* The share of a source that surfaces, windows and cones let through to a point, and its intensity
+ * along a unit direction as a share of its power. */
+float ord_source_share(const ord_source *source, const air_path *path, air_vec3 point);
+float ord_source_intensity(const ord_source *source, air_vec3 dir);
 
 /* As the kernels take it; fluence is what ord_source_fluence gave. */
 air_seen_beam ord_source_beam(const ord_domain *domain, const ord_source *source,

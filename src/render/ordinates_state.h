@@ -23,13 +23,15 @@ struct air_with_ordinates {
     ord_sky sky;
     ord_medium *media; /* by medium */
     size_t medium_count;
+    float *carried; /* what cells scatter towards the camera, over sigma_s, of light that grids of
+                       its own carried; with the true extinction; NULL: there is none */
     float *extinction; /* of each cell, mean over channels */
     float largest;     /* of these */
     bool all, single;  /* march for both terms together; for M1 alone */
     bool first_wanted; /* M1 is */
 };
 
-struct air_ordinates_scratch {
+struct air_march_scratch {
     air_ray_media media;
 };
 
@@ -45,7 +47,7 @@ air_status ord_solve(air_with_ordinates *with, const struct air_owner_table *own
 
 /* Radiance towards the camera along a lane's ray: [0] of all light, [1] of M1 alone, as asked for.
  */
-void ord_march(const air_with_ordinates *with, air_ordinates_scratch *scratch,
+void ord_march(const air_with_ordinates *with, air_march_scratch *scratch,
                const air_path_lane *lane, air_vec3 out[2]);
 
 #endif

@@ -10,7 +10,7 @@ typedef struct pass_worker {
     air_path_scratch *scratch;
     air_collimated_scratch *collimated; /* NULL where that method owns nothing */
     air_area_scratch *arealight;        /* likewise */
-    air_ordinates_scratch *ordinates;   /* likewise */
+    air_march_scratch *ordinates;       /* likewise */
     double *block;                      /* sums of the block under way */
     air_block_stack stack;
     /* Of the replicate under way: the sums of two ratios; all that is plain is in the first. */
@@ -305,7 +305,7 @@ static void free_workers(render_pass *pass, size_t count)
         air_free(context, pass->workers[i].scratch);
         air_collimated_scratch_destroy(pass->picture->collimated, pass->workers[i].collimated);
         air_area_scratch_destroy(pass->picture->arealight, pass->workers[i].arealight);
-        air_ordinates_scratch_destroy(pass->picture->ordinates, pass->workers[i].ordinates);
+        air_march_scratch_destroy(pass->picture->ordinates, pass->workers[i].ordinates);
         air_free(context, pass->workers[i].block);
         air_free(context, pass->workers[i].stack.sums);
     }
@@ -342,7 +342,7 @@ static air_status make_workers(render_pass *pass, size_t count)
         }
         if (complete && pass->picture->ordinates != NULL) {
             const air_status status =
-                air_ordinates_scratch_create(pass->picture->ordinates, &worker->ordinates);
+                air_march_scratch_create(pass->picture->ordinates, &worker->ordinates);
             if (status != AIR_OK) {
                 return status;
             }

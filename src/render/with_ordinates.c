@@ -147,6 +147,7 @@ void air_with_ordinates_destroy(air_with_ordinates *with)
     }
     air_free(with->context, with->media);
     ord_sky_finish(&with->sky);
+    air_free(with->context, with->carried);
     air_free(with->context, with->extinction);
     ord_domain_finish(&with->domain);
     air_free(with->context, with);
@@ -172,13 +173,13 @@ uint64_t air_with_ordinates_fingerprint(const air_with_ordinates *with, uint64_t
     return air_fingerprint_add(hash, &s->change, sizeof s->change);
 }
 
-air_status air_ordinates_scratch_create(const air_with_ordinates *with, air_ordinates_scratch **out)
+air_status air_march_scratch_create(const air_with_ordinates *with, air_march_scratch **out)
 {
     *out = air_allocate(with->context, 1, sizeof **out);
     return *out == NULL ? air_fail_memory(with->context, "ordinates") : AIR_OK;
 }
 
-void air_ordinates_scratch_destroy(const air_with_ordinates *with, air_ordinates_scratch *scratch)
+void air_march_scratch_destroy(const air_with_ordinates *with, air_march_scratch *scratch)
 {
     if (scratch != NULL) {
         air_free(with->context, scratch);
@@ -187,7 +188,7 @@ void air_ordinates_scratch_destroy(const air_with_ordinates *with, air_ordinates
 
 /* ---- samples ---- */
 
-void air_with_ordinates_add(const air_with_ordinates *with, air_ordinates_scratch *scratch,
+void air_with_ordinates_add(const air_with_ordinates *with, air_march_scratch *scratch,
                             air_path_lane *lanes, size_t count)
 {
     for (size_t i = 0; i < count; i++) {

@@ -19,7 +19,7 @@ typedef enum air_ordinates_mode {
 } air_ordinates_mode;
 
 typedef struct air_with_ordinates air_with_ordinates;
-typedef struct air_ordinates_scratch air_ordinates_scratch; /* one per worker */
+typedef struct air_march_scratch air_march_scratch; /* one per worker */
 
 /* Solves for what the table gives to the method, as seen from the view; *out is NULL where that is
  * nothing. split: M1 and M2 are wanted apart, else both may come as M2. The path, its snapshot, the
@@ -32,12 +32,11 @@ void air_with_ordinates_destroy(air_with_ordinates *with); /* NULL is legal */
 /* Adds to a hash what the picture depends on beside the scene. */
 uint64_t air_with_ordinates_fingerprint(const air_with_ordinates *with, uint64_t hash);
 
-air_status air_ordinates_scratch_create(const air_with_ordinates *with,
-                                        air_ordinates_scratch **out);
-void air_ordinates_scratch_destroy(const air_with_ordinates *with, air_ordinates_scratch *scratch);
+air_status air_march_scratch_create(const air_with_ordinates *with, air_march_scratch **out);
+void air_march_scratch_destroy(const air_with_ordinates *with, air_march_scratch *scratch);
 
 /* Adds the terms of count lanes that air_path_trace has traced. */
-void air_with_ordinates_add(const air_with_ordinates *with, air_ordinates_scratch *scratch,
+void air_with_ordinates_add(const air_with_ordinates *with, air_march_scratch *scratch,
                             air_path_lane *lanes, size_t count);
 
 #endif
