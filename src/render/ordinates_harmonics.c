@@ -122,8 +122,19 @@ air_status ord_carry_rest(ord_carrying *carrying)
 
 /* ---- harmonics alone ---- */
 
+/* The faces by which a beam enters a box: -x, +x, -y, ... */
+static uint32_t entry_faces(const double dir[3])
+{
+    uint32_t faces = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        faces |= dir[axis] > 1e-6 ? 1u << 2 * axis : dir[axis] < -1e-6 ? 2u << 2 * axis : 0u;
+    }
+    return faces;
+}
+
 /* Suns and skies enter by the faces, windowed; lamps are moments in the cells. */
-static air_status add_harmonics(const ord_carrying *carrying, solved *s, float *inflow)
+static air_status add_harmonics(const ord_carrying *carrying, solved *s, float *inflow,
+                                uint32_t *faces)
 {
     const ord_domain *const d = carrying->domain;
     air_context *const context = carrying->with->context;
@@ -147,6 +158,7 @@ static air_status add_harmonics(const ord_carrying *carrying, solved *s, float *
             continue;
         }
         vec3_store64(dir, source->place);
+        *faces |= entry_faces(dir);
         vec3_store64(power, source->power);
         air_dom_hanning_beam(s->params.bands, dir, power, (double)source->lobe, moments);
         for (int m = 0; m < s->params.bands * s->params.bands * CHANNELS; m++) {
@@ -162,14 +174,15 @@ air_status ord_carry_harmonics(ord_carrying *carrying)
 {
     float inflow[AIR_DOM_BANDS_MAX * AIR_DOM_BANDS_MAX * CHANNELS] = {0.0f};
     solved s = {.dom = NULL};
+    uint32_t faces = 0;
     air_dom_params_default(&s.params);
     air_dom_params_shdom(&s.params, carrying->with->settings->bands);
     air_status status = solved_make(carrying, &s);
     if (status == AIR_OK) {
-        status = add_harmonics(carrying, &s, inflow);
+        status = add_harmonics(carrying, &s, inflow, &faces);
     }
     if (status == AIR_OK) {
-        status = air_dom_set_inflow(s.dom, inflow, 63);
+        status = air_dom_set_inflow(s.dom, inflow, faces);
     }
     if (status == AIR_OK) {
         status = solve(carrying, &s);

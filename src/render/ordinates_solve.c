@@ -35,7 +35,7 @@ typedef struct solving {
     char *scratch;     /* of a block's sources */
     size_t scratch_size;
     air_seen_beam beams[2][BLOCK];
-    size_t begin, count, solved; /* the block, of which the first are the solver's */
+    size_t begin, count, solved;       /* the block, of which the first are the solver's */
     double factors[AIR_DOM_BANDS_MAX]; /* of the medium under way */
     size_t medium;
 } solving;
