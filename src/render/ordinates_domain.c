@@ -5,34 +5,113 @@
 
 #include "core/phase.h"
 #include "scene/media/field.h"
+#include "scene/media/grid.h"
 
 /* Looks per cell along each axis: enough for borders that cut cells. */
 enum { LOOKS = 4 };
 
-/* The bounds of what scatters; false if nothing does. */
-static bool find_bounds(const air_media *media, float low[3], float high[3])
+/* Parts of a grid are left out if light that crosses as much as the whole medium of them has at
+ * most this optical depth. */
+#define LEAST_DEPTH 1e-4f
+
+/* Their box is rounded outwards to a lattice in the world, at least so many times as fine as the
+ * medium is long, so that it rarely moves in a sequence of grids. */
+#define LATTICE 32.0f
+
+typedef struct bounds {
+    float low[3], high[3];
+} bounds;
+
+static bounds medium_bounds(const air_medium *medium)
+{
+    bounds out = {{0.0f}, {0.0f}};
+    memcpy(out.low, medium->bounds_min, sizeof out.low);
+    memcpy(out.high, medium->bounds_max, sizeof out.high);
+    return out;
+}
+
+/* Of a box in the grid's index space. */
+static bounds world_bounds(const float index_to_world[12], const float low[3], const float high[3])
+{
+    bounds out = {{0.0f}, {0.0f}};
+    for (int corner = 0; corner < 8; corner++) {
+        float at[3];
+        const air_vec3 index =
+            vec3((corner & 1) != 0 ? high[0] : low[0], (corner & 2) != 0 ? high[1] : low[1],
+                 (corner & 4) != 0 ? high[2] : low[2]);
+        vec3_store(at, affine_point(index_to_world, index));
+        for (int axis = 0; axis < 3; axis++) {
+            out.low[axis] = corner > 0 ? float_min(out.low[axis], at[axis]) : at[axis];
+            out.high[axis] = corner > 0 ? float_max(out.high[axis], at[axis]) : at[axis];
+        }
+    }
+    return out;
+}
+
+/* Cuts a grid medium's bounds to where it has density: many grids are mostly margin. False: it has
+ * none. */
+static bool cut_to_density(const air_medium *medium, bounds *box)
+{
+    float low[3], high[3], index_to_world[12], longest = 0.0f, square = 0.0f;
+    for (int axis = 0; axis < 3; axis++) {
+        const float extent = box->high[axis] - box->low[axis];
+        longest = float_max(longest, extent);
+        square += extent * extent;
+    }
+    const float depth = vec3_max(medium->sigma_t) * sqrtf(square);
+    if (!isfinite(depth) || !(depth > 0.0f) ||
+        !affine_invert(medium->world_to_grid, index_to_world)) {
+        return true;
+    }
+    if (!air_grid_support(medium->density_grid, LEAST_DEPTH / depth, low, high)) {
+        return false;
+    }
+    const bounds dense = world_bounds(index_to_world, low, high);
+    const float step = exp2f(floorf(log2f(longest / LATTICE)));
+    for (int axis = 0; axis < 3; axis++) {
+        const float least = floorf(dense.low[axis] / step) * step;
+        const float most = ceilf(dense.high[axis] / step) * step;
+        const bool within = medium->boundary != AIR_BOUNDARY_UNBOUNDED;
+        box->low[axis] = within ? float_max(box->low[axis], least) : least;
+        box->high[axis] = within ? float_min(box->high[axis], most) : most;
+        if (!(box->low[axis] < box->high[axis])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The bounds of what scatters or absorbs, of grids where they have density (`dense`); false if
+ * nothing does. */
+static bool find_bounds(const air_media *media, bool dense, bounds *out)
 {
     bool found = false;
     for (size_t i = 0; i < media->count; i++) {
         const air_medium *medium = &media->media[i];
-        for (int axis = 0; axis < 3 && !vec3_is_zero(medium->sigma_t); axis++) {
-            const float a = medium->bounds_min[axis], b = medium->bounds_max[axis];
-            low[axis] = found ? float_min(low[axis], a) : a;
-            high[axis] = found ? float_max(high[axis], b) : b;
+        bounds box = medium_bounds(medium);
+        if (vec3_is_zero(medium->sigma_t) ||
+            (dense && medium->kind == AIR_DENSITY_GRID && !cut_to_density(medium, &box))) {
+            continue;
         }
-        found = found || !vec3_is_zero(medium->sigma_t);
+        for (int axis = 0; axis < 3; axis++) {
+            out->low[axis] = found ? float_min(out->low[axis], box.low[axis]) : box.low[axis];
+            out->high[axis] = found ? float_max(out->high[axis], box.high[axis]) : box.high[axis];
+        }
+        found = true;
     }
     return found;
 }
 
 static air_status place(ord_domain *domain, uint32_t cells)
 {
-    float low[3] = {0.0f}, high[3] = {0.0f}, longest = 0.0f;
-    if (!find_bounds(domain->media, low, high)) {
+    bounds box = {{0.0f}, {0.0f}};
+    float longest = 0.0f;
+    /* Grids that are all empty have their box, too: a sequence may begin so. */
+    if (!find_bounds(domain->media, true, &box) && !find_bounds(domain->media, false, &box)) {
         return air_fail(domain->context, AIR_ERROR_ARGUMENT, "ordinates: no medium scatters light");
     }
     for (int axis = 0; axis < 3; axis++) {
-        longest = float_max(longest, high[axis] - low[axis]);
+        longest = float_max(longest, box.high[axis] - box.low[axis]);
     }
     if (!(longest > 0.0f) || !isfinite(longest)) {
         return air_fail(domain->context, AIR_ERROR_ARGUMENT,
@@ -42,11 +121,11 @@ static air_status place(ord_domain *domain, uint32_t cells)
     domain->cell_m = longest / (float)cells;
     domain->cells = 1;
     for (int axis = 0; axis < 3; axis++) {
-        const float extent = high[axis] - low[axis];
+        const float extent = box.high[axis] - box.low[axis];
         const float count = ceilf(extent / domain->cell_m - 1e-3f);
         domain->size[axis] = count >= 1.0f ? (size_t)count : 1;
         const float whole = (float)(ptrdiff_t)domain->size[axis] * domain->cell_m;
-        domain->origin[axis] = low[axis] - 0.5f * (whole - extent);
+        domain->origin[axis] = box.low[axis] - 0.5f * (whole - extent);
         domain->cells *= domain->size[axis];
     }
     return AIR_OK;

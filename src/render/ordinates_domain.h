@@ -14,8 +14,9 @@ typedef struct ord_domain {
     float *sigma_s, *sigma_a, *g; /* 3 planes each; g: mean cosine of all media's scattering */
 } ord_domain;
 
-/* The box about all media, `cells` along its longest side, without coefficients: nothing to finish.
- * AIR_ERROR_ARGUMENT: there are none, or they have no size. */
+/* The box about all media, grids only where they have density worth mention, `cells` along its
+ * longest side, without coefficients: nothing to finish. AIR_ERROR_ARGUMENT: there are none, or
+ * they have no size. */
 air_status ord_domain_place(const air_snapshot *snapshot, uint32_t cells, ord_domain *out);
 
 /* Gives a box that was placed the means of the media's coefficients. On failure it is as after

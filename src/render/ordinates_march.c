@@ -141,6 +141,17 @@ static void step(air_vec3 sigma_t, air_vec3 sent, float length, air_vec3 *throug
     *through = vec3_mul(*through, left);
 }
 
+/* Media that only glow are nothing to march through, and may have no end. */
+static bool attenuates(const air_media *media, uint64_t regions)
+{
+    bool any = false;
+    for (; regions != 0 && !any; regions &= regions - 1) {
+        const air_region *region = &media->regions[__builtin_ctzll(regions)];
+        any = !vec3_is_zero(media->media[region->medium].sigma_t);
+    }
+    return any;
+}
+
 void ord_march(const air_with_ordinates *with, air_march_scratch *scratch,
                const air_path_lane *lane, air_vec3 out[2])
 {
@@ -153,6 +164,9 @@ void ord_march(const air_with_ordinates *with, air_march_scratch *scratch,
                        met ? lane->hit.t : AIR_FAR);
     for (size_t s = 0; s < media->count; s++) {
         const air_ray_segment *const segment = &media->segments[s];
+        if (!attenuates(&with->snapshot->media, segment->regions)) {
+            continue;
+        }
         const float extent = segment->t1 - segment->t0;
         const float count = ceilf(float_min(extent / longest, (float)MOST_STEPS));
         const float length = extent / float_max(count, 1.0f);

@@ -22,6 +22,10 @@ size_t air_grid_channels(const air_grid *grid);
 size_t air_grid_bytes(const air_grid *grid);
 float air_grid_max(const air_grid *grid); /* over all values and channels */
 
+/* The least box in index coordinates outside which no lookup, of any channel, is above `above`
+ * (>= 0). False: none is anywhere; out is then untouched. */
+bool air_grid_support(const air_grid *grid, float above, float out_low[3], float out_high[3]);
+
 /* Trilinear value at index coordinates; one-channel grids give the same in x, y and z. */
 air_vec3 air_grid_lookup(const air_grid *grid, air_vec3 index);
 
