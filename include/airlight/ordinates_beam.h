@@ -28,8 +28,8 @@ AIR_API size_t air_beam_scratch(const size_t size[3]);
  * mean transmittance over each cell, 4 per cell to out_fluence.
  *
  * Optical depths of the centres of faces across the main axis are carried from layer to layer along
- * characteristics, bilinear between centres; along an axis this is exact for what is constant in
- * each cell. */
+ * characteristics, bilinear between centres: along an axis these are exact for what is constant in
+ * each cell. A cell's mean takes the depth to change evenly across it. */
 AIR_API void air_beam_directional(const air_beam_box *box, const float dir[3], void *scratch,
                                   float *out_fluence);
 

@@ -172,14 +172,22 @@ static void carry(const sweep *s, size_t w)
     extend_plane(s, s->next);
 }
 
-/* Square of half of how much the depth changes across the cell, between two neighbours of it. */
+static inline four size_of(four a) { return four_max(a, -a); }
+
+/* Square of half of how much the depth changes across the cell, between two neighbours of it: none
+ * at an extremum, and not beyond what either has or, at the box's side, beyond 0. Else cells behind
+ * steep borders of shadows would be lit through them. */
 static inline four half_slope_square(const float *before, const float *after, ptrdiff_t low,
                                      ptrdiff_t high)
 {
-    const four a = four_load(before + high) - four_load(before + low);
-    const four b = four_load(after + high) - four_load(after + low);
-    const float scale = low != 0 && high != 0 ? 0.125f : 0.25f;
-    const four half = scale * (a + b);
+    const four own = four_load(before) + four_load(after);
+    const four up = four_load(before + high) + four_load(after + high) - own;
+    const four down = own - (four_load(before + low) + four_load(after + low));
+    const four least = four_min(size_of(up), size_of(down));
+    const four side = four_min(0.25f * size_of(up + down), own * 0.5f);
+    const four within = four_min(0.125f * size_of(up + down), 0.5f * least);
+    const four half =
+        low == 0 || high == 0 ? side : four_select(up * down > 0.0f, within, four_all(0.0f));
     return half * half;
 }
 
