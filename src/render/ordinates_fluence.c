@@ -9,6 +9,9 @@
 
 enum { CHANNELS = 4, LOOKS = 4, PACKET = 64 };
 
+/* From so many edges away a square looks like a point. */
+#define FAR_EDGES 6.0f
+
 /* Places in a cell at which visibility is looked at, as shares of its edge: a lattice. */
 static const float looks[LOOKS][3] = {{0.125f, 0.625f, 0.375f},
                                       {0.375f, 0.125f, 0.875f},
@@ -55,6 +58,53 @@ static air_vec3 look_point(const ord_domain *domain, size_t cell, const float at
 }
 
 /* ---- points ---- */
+
+/* The solid angle of a square of edges 2 half about the origin, across z, on whose bright side the
+ * point (x, y, z) is. */
+static float square_angle(float x, float y, float z, float half)
+{
+    float sum = 0.0f;
+    for (int corner = 0; corner < 4; corner++) {
+        const float dx = (corner & 1) != 0 ? x + half : half - x;
+        const float dy = (corner & 2) != 0 ? y + half : half - y;
+        sum += atan2f(dx * dy, z * sqrtf(dx * dx + dy * dy + z * z));
+    }
+    return sum;
+}
+
+/* Fluence of a patch of surface of intensity 1: pi times the radiance of a square, as seen. So the
+ * light of patches side by side is even however close to them; 1 / (r^2 + r_0^2) and one cosine
+ * would be bright before each and dark between. */
+static float patch_share(const ord_source *source, const air_frame *frame, air_vec3 to)
+{
+    const air_vec3 at = frame_to_local(frame, to);
+    const float edge = 1.7320508f * source->radius_m, area = edge * edge;
+    const float square = vec3_dot(at, at);
+    if (at.z <= 0.0f) {
+        return 0.0f;
+    }
+    return square > FAR_EDGES * FAR_EDGES * area
+               ? at.z / (sqrtf(square) * square)
+               : square_angle(at.x, at.y, at.z, 0.5f * edge) / area;
+}
+
+static void fluence_of_patch(const ord_domain *domain, const ord_source *source,
+                             const float *extinction, float *out)
+{
+    const air_beam_box box = box_of(domain, extinction);
+    const air_frame frame = frame_from_normal(source->normal);
+    const float middle[3] = {0.5f, 0.5f, 0.5f};
+    float position[3];
+    vec3_store(position, ord_domain_local(domain, source->place));
+    air_beam_point(&box, position, out);
+    for (size_t cell = 0; cell < domain->cells; cell++) {
+        const air_vec3 to = vec3_sub(look_point(domain, cell, middle), source->place);
+        const float share = patch_share(source, &frame, to);
+        for (size_t c = 0; c < 3; c++) {
+            out[cell * CHANNELS + c] *= share;
+        }
+    }
+}
 
 static void fluence_of_point(const ord_domain *domain, const ord_source *source,
                              const float *extinction, float *spread, float *out)
@@ -143,9 +193,43 @@ static void look_at_cells(const ord_domain *domain, const ord_source *source, co
     }
 }
 
+/* What surfaces hide of a patch: one look at the middle of each cell that has any of its light. The
+ * rays are those of light between surfaces and media: all meshes stop them, but for coverage. */
+static void hide_patch(const ord_domain *domain, const ord_source *source, const air_path *path,
+                       float *out)
+{
+    const float middle[3] = {0.5f, 0.5f, 0.5f};
+    air_ray rays[PACKET];
+    size_t cells[PACKET], count = 0;
+    uint8_t occluded[PACKET];
+    float shares[PACKET];
+    for (size_t cell = 0; cell <= domain->cells; cell++) {
+        const bool end = cell == domain->cells;
+        if (!end &&
+            out[cell * CHANNELS] + out[cell * CHANNELS + 1] + out[cell * CHANNELS + 2] > 0.0f) {
+            cells[count] = cell;
+            rays[count] = ray_to_source(source, look_point(domain, cell, middle));
+            rays[count++].mask =
+                path->snapshot->has_alpha ? AIR_MASK_SHADOW_OPAQUE : AIR_MASK_SCATTER;
+        }
+        if (count == PACKET || (end && count > 0)) {
+            air_path_shares(path, rays, count, occluded, shares);
+            for (size_t i = 0; i < count * 3; i++) {
+                out[cells[i / 3] * CHANNELS + i % 3] *= shares[i / 3];
+            }
+            count = 0;
+        }
+    }
+}
+
 void ord_source_fluence(const ord_domain *domain, const ord_source *source, const air_path *path,
                         const float *extinction, void *scratch, float *out)
 {
+    if (source->events > 0) {
+        fluence_of_patch(domain, source, extinction, out);
+        hide_patch(domain, source, path, out);
+        return;
+    }
     if (source->local) {
         fluence_of_point(domain, source, extinction, scratch, out);
     } else {

@@ -7,7 +7,7 @@
 #include "airlight/ordinates_dom.h"
 #include "core/phase.h"
 #include "render/ordinates_grids.h"
-#include "render/ordinates_sources.h"
+#include "render/ordinates_patches.h"
 #include "render/ordinates_state.h"
 
 enum { CHANNELS = 4, BLOCK = ORD_BLOCK };
@@ -24,8 +24,9 @@ typedef struct solving {
     air_dom_params dom;
     air_dom_phase phase;
     ord_source_list sources;
-    float *extinction[2]; /* for all light, and the true one; channels and mean of each cell */
-    float *view_depth;    /* between each cell and the camera, by the former */
+    uint32_t scatter_most; /* events after which light may be scattered once more */
+    float *extinction[2];  /* for all light, and the true one; channels and mean of each cell */
+    float *view_depth;     /* between each cell and the camera, by the former */
     double peak_ratio;
     float *moments; /* of beams */
     bool inflow;    /* some of the sky enters by the faces: */
@@ -144,7 +145,7 @@ static void fill_source(void *user, size_t index, size_t worker)
     const ord_source *const source = &self->sources.items[self->begin + index];
     (void)worker;
     for (int i = 0; i < 2; i++) {
-        if (self->fluence[i] != NULL && (i == 1 || index < self->solved)) {
+        if (self->fluence[i] != NULL && (i == 0 ? index < self->solved : source->events == 0)) {
             float *const out = self->fluence[i] + index * self->domain->cells * CHANNELS;
             ord_source_fluence(self->domain, source, self->path, self->extinction[i],
                                self->scratch + index * self->scratch_size, out);
@@ -158,9 +159,11 @@ static void take_slab(void *user, size_t k, size_t worker)
     solving *const self = user;
     (void)worker;
     for (size_t i = 0; self->moments != NULL && i < self->solved; i++) {
-        const bool inflow = self->sources.items[self->begin + i].inflow;
-        air_beam_moments(&self->box, &self->beams[0][i], 1, self->dom.bands, k, k + 1,
-                         inflow ? self->through : self->moments);
+        const ord_source *const source = &self->sources.items[self->begin + i];
+        if (source->events < self->scatter_most) {
+            air_beam_moments(&self->box, &self->beams[0][i], 1, self->dom.bands, k, k + 1,
+                             source->inflow ? self->through : self->moments);
+        }
     }
     for (size_t m = 0; m < self->with->medium_count; m++) {
         const ord_medium *const medium = &self->with->media[m];
@@ -170,9 +173,11 @@ static void take_slab(void *user, size_t k, size_t worker)
             air_seen_beams(&self->box, self->beams[0], self->solved, phase, &peak, k, k + 1,
                            medium->light);
         }
-        if (medium->first != NULL) {
-            air_seen_beams(&self->box, self->beams[1], self->count, phase, NULL, k, k + 1,
-                           medium->first);
+        for (size_t i = 0; medium->first != NULL && i < self->count; i++) {
+            if (self->sources.items[self->begin + i].events == 0) {
+                air_seen_beams(&self->box, &self->beams[1][i], 1, phase, NULL, k, k + 1,
+                               medium->first);
+            }
         }
     }
 }
@@ -442,8 +447,19 @@ air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
     if (status == AIR_OK && !make_arrays(&self, deep)) {
         status = air_fail_memory(with->context, "ordinates: light");
     }
+    const size_t lights = self.sources.count;
+    self.scatter_most = params->max_depth - 1;
     if (status == AIR_OK) {
         set_extinction(&self);
+        if (deep) {
+            const ord_space space = {with->path, &with->domain, self.extinction[0]};
+            status = ord_patches_add(&lighting, &space, params->max_depth, &self.sources);
+            for (size_t i = lights; i < self.sources.count && lights > 0; i++) {
+                self.sources.items[i].mode = self.sources.items[0].mode;
+            }
+        }
+    }
+    if (status == AIR_OK) {
         self.peak_ratio = peak_ratio(&self);
         air_parallel_for(with->context, self.domain->size[2], look_back_slab, &self);
         status = take_sources(&self);

@@ -23,8 +23,10 @@ typedef struct ord_source {
     const air_light *light; /* whose windows or cone apply; NULL: none */
     float solid_angle;      /* of a part of the sky; 0: it is none */
     air_ordinates_mode mode;
-    bool sky;    /* of an environment: cameras see its peak by ordinates_sky.h */
-    bool inflow; /* see ord_inflow_choose */
+    bool sky;        /* of an environment: cameras see its peak by ordinates_sky.h */
+    bool inflow;     /* see ord_inflow_choose */
+    uint32_t events; /* before its light starts here: 0: of a light; else it is a patch of surface,
+                        a square of the disk's second moment (ordinates_patches.h) */
 } ord_source;
 
 typedef struct ord_source_list {
