@@ -18,7 +18,7 @@ static inline int oracle_not_open(const char *path, bool skip_absent)
     return skip ? EXIT_SKIPPED : EXIT_MALFORMED;
 }
 
-/* NAME [--skip-absent] FILE.csv...: the exit code of the first file that is not as it should be,
+/* NAME [--skip-absent] PATH...: the exit code of the first file that is not as it should be,
  * EXIT_SKIPPED only where no other is wrong. */
 static inline int oracle_main(const char *name, int argc, char **argv,
                               int (*check_file)(const char *path, bool skip_absent))
@@ -26,7 +26,7 @@ static inline int oracle_main(const char *name, int argc, char **argv,
     const bool skip_absent = argc > 1 && strcmp(argv[1], "--skip-absent") == 0;
     const int first = skip_absent ? 2 : 1;
     if (first >= argc) {
-        fprintf(stderr, "usage: %s [--skip-absent] FILE.csv...\n", name);
+        fprintf(stderr, "usage: %s [--skip-absent] PATH...\n", name);
         return EXIT_MALFORMED;
     }
     int code = 0;

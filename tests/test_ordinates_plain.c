@@ -3,6 +3,7 @@
 #include "ordinates/plain.h"
 
 #include "ordinates_fixture.h"
+#include "ordinates_golden.h"
 
 static air_context *context;
 
@@ -41,108 +42,23 @@ static void expect_near(double found, double expected, double tolerance)
  * steps of decay raise to 1e-7 relatively, values are of order 1. Books have six digits printed. */
 static void results_are_the_golden_ones(void **state)
 {
-    enum { L = AIR_ORDINATES_LITERAL, CM = AIR_ORDINATES_CM };
-    static const struct {
-        int stencil, decay, start;
-        uint32_t steps;
-        double mean, fluence, energy, a, out[3], residual; /* out: -i, -k, +k */
-    } golden[8] = {{L,
-                    AIR_ORDINATES_DECAY_PAPER,
-                    AIR_ORDINATES_BOUNDARY,
-                    10,
-                    0.65154250,
-                    0.43092002,
-                    0.198265687,
-                    0.40996341,
-                    {0.03410893, 0.00007044, 0.0},
-                    0.86349382},
-                   {L,
-                    AIR_ORDINATES_DECAY_PAPER,
-                    AIR_ORDINATES_BOUNDARY,
-                    16,
-                    0.95241690,
-                    1.69883529,
-                    0.191357927,
-                    0.24010000,
-                    {0.05949955, 0.00009200, 0.00002142},
-                    0.76188838},
-                   {L,
-                    AIR_ORDINATES_DECAY_PAPER,
-                    AIR_ORDINATES_FIRST_SCATTER,
-                    10,
-                    0.80655127,
-                    0.79466490,
-                    0.0959941331,
-                    0.28697439,
-                    {0.04675612, 0.00722071, 0.05779722},
-                    0.74795757},
-                   {L,
-                    AIR_ORDINATES_DECAY_PAPER,
-                    AIR_ORDINATES_FIRST_SCATTER,
-                    16,
-                    1.06348659,
-                    1.43155565,
-                    0.108829862,
-                    0.16807000,
-                    {0.06732749, 0.00789528, 0.07877429},
-                    0.64402046},
-                   {L,
-                    AIR_ORDINATES_DECAY_POISSON,
-                    AIR_ORDINATES_BOUNDARY,
-                    16,
-                    0.96226363,
-                    1.84109333,
-                    0.163940856,
-                    0.30119421,
-                    {0.05577770, 0.00004458, 0.00010103},
-                    0.77674358},
-                   {CM,
-                    AIR_ORDINATES_DECAY_POISSON,
-                    AIR_ORDINATES_FIRST_SCATTER,
-                    10,
-                    0.63831031,
-                    0.64206187,
-                    0.0630517250,
-                    0.45115249,
-                    {0.03233038, 0.05520512, 0.11051379},
-                    0.70495955},
-                   {CM,
-                    AIR_ORDINATES_DECAY_POISSON,
-                    AIR_ORDINATES_FIRST_SCATTER,
-                    16,
-                    0.78130518,
-                    0.82718665,
-                    0.0386649372,
-                    0.17856693,
-                    {0.04565782, 0.08306868, 0.32178910},
-                    0.41251092},
-                   {CM,
-                    AIR_ORDINATES_DECAY_POISSON,
-                    AIR_ORDINATES_FIRST_SCATTER,
-                    64,
-                    1.03414866,
-                    1.35581241,
-                    0.00432550563,
-                    0.02272659,
-                    {0.06815770, 0.18077046, 0.52004519},
-                    0.02655353}};
     ordinates_medium cube = ordinates_cube(CUBE_SIDE);
     const size_t at = (8 * CUBE_SIDE + 7) * CUBE_SIDE + 7;
     (void)state;
-    for (int i = 0; i < 8; i++) {
-        const air_ordinates_params params = ordinates_params(
-            (air_ordinates_stencil)golden[i].stencil, (air_ordinates_decay)golden[i].decay,
-            (air_ordinates_start)golden[i].start, golden[i].steps);
+    for (int i = 0; i < ORDINATES_GOLDEN; i++) {
+        const ordinates_golden *const golden = &ordinates_goldens[i];
+        const air_ordinates_params params =
+            ordinates_params(golden->stencil, golden->decay, golden->start, golden->steps);
         ordinates_outcome found = ordinates_run_all(context, &cube, &params, 0);
-        expect_near(mean_of(&found, CUBE_CELLS), golden[i].mean, 1e-6);
-        expect_near((double)found.fluence[at] + (double)found.beam[at], golden[i].fluence, 1e-6);
-        expect_near((double)found.energy[at] * 256.0, golden[i].energy, 1e-6);
-        expect_near((double)found.asymmetry[at], golden[i].a, 1e-6);
-        expect_near(found.books.out[0], golden[i].out[0], 1e-6);
-        expect_near(found.books.out[4], golden[i].out[1], 1e-6);
-        expect_near(found.books.out[5], golden[i].out[2], 1e-6);
-        expect_near(found.books.residual, golden[i].residual, 1e-6);
-        assert_int_equal(found.books.steps, golden[i].steps);
+        expect_near(mean_of(&found, CUBE_CELLS), golden->mean, 1e-6);
+        expect_near((double)found.fluence[at] + (double)found.beam[at], golden->fluence, 1e-6);
+        expect_near((double)found.energy[at] * 256.0, golden->energy, 1e-6);
+        expect_near((double)found.asymmetry[at], golden->a, 1e-6);
+        expect_near(found.books.out[0], golden->out[0], 1e-6);
+        expect_near(found.books.out[4], golden->out[1], 1e-6);
+        expect_near(found.books.out[5], golden->out[2], 1e-6);
+        expect_near(found.books.residual, golden->residual, 1e-6);
+        assert_int_equal(found.books.steps, golden->steps);
         ordinates_outcome_free(&found);
     }
     ordinates_medium_free(&cube);
