@@ -88,20 +88,37 @@ static float patch_share(const ord_source *source, const air_frame *frame, air_v
                : square_angle(at.x, at.y, at.z, 0.5f * edge) / area;
 }
 
-static void fluence_of_patch(const ord_domain *domain, const ord_source *source,
-                             const float *extinction, float *out)
+/* Without attenuation, to all four numbers of each cell. */
+static void spread_patch(const ord_domain *domain, const ord_source *source, float *out)
 {
-    const air_beam_box box = box_of(domain, extinction);
     const air_frame frame = frame_from_normal(source->normal);
     const float middle[3] = {0.5f, 0.5f, 0.5f};
-    float position[3];
-    vec3_store(position, ord_domain_local(domain, source->place));
-    air_beam_point(&box, position, out);
     for (size_t cell = 0; cell < domain->cells; cell++) {
         const air_vec3 to = vec3_sub(look_point(domain, cell, middle), source->place);
         const float share = patch_share(source, &frame, to);
-        for (size_t c = 0; c < 3; c++) {
-            out[cell * CHANNELS + c] *= share;
+        for (size_t c = 0; c < CHANNELS; c++) {
+            out[cell * CHANNELS + c] = share;
+        }
+    }
+}
+
+/* The fourth number becomes the transmittance, where there is light. */
+static void attenuate_patch(const ord_domain *domain, const ord_source *source,
+                            const float *extinction, float *out)
+{
+    const air_beam_box box = box_of(domain, extinction);
+    const float middle[3] = {0.5f, 0.5f, 0.5f};
+    float from[3], to[3], depth[CHANNELS];
+    vec3_store(from, ord_domain_local(domain, source->place));
+    for (size_t cell = 0; cell < domain->cells; cell++) {
+        float *const at = out + cell * CHANNELS;
+        if (at[3] > 0.0f) {
+            vec3_store(to, ord_domain_local(domain, look_point(domain, cell, middle)));
+            air_beam_depth(&box, from, to, depth);
+            at[0] *= expf(-depth[0]);
+            at[1] *= expf(-depth[1]);
+            at[2] *= expf(-depth[2]);
+            at[3] = expf(-depth[3]);
         }
     }
 }
@@ -205,8 +222,7 @@ static void hide_patch(const ord_domain *domain, const ord_source *source, const
     float shares[PACKET];
     for (size_t cell = 0; cell <= domain->cells; cell++) {
         const bool end = cell == domain->cells;
-        if (!end &&
-            out[cell * CHANNELS] + out[cell * CHANNELS + 1] + out[cell * CHANNELS + 2] > 0.0f) {
+        if (!end && out[cell * CHANNELS + 3] > 0.0f) {
             cells[count] = cell;
             rays[count] = ray_to_source(source, look_point(domain, cell, middle));
             rays[count++].mask =
@@ -214,8 +230,8 @@ static void hide_patch(const ord_domain *domain, const ord_source *source, const
         }
         if (count == PACKET || (end && count > 0)) {
             air_path_shares(path, rays, count, occluded, shares);
-            for (size_t i = 0; i < count * 3; i++) {
-                out[cells[i / 3] * CHANNELS + i % 3] *= shares[i / 3];
+            for (size_t i = 0; i < count * CHANNELS; i++) {
+                out[cells[i / CHANNELS] * CHANNELS + i % CHANNELS] *= shares[i / CHANNELS];
             }
             count = 0;
         }
@@ -226,8 +242,9 @@ void ord_source_fluence(const ord_domain *domain, const ord_source *source, cons
                         const float *extinction, void *scratch, float *out)
 {
     if (source->events > 0) {
-        fluence_of_patch(domain, source, extinction, out);
+        spread_patch(domain, source, out);
         hide_patch(domain, source, path, out);
+        attenuate_patch(domain, source, extinction, out);
         return;
     }
     if (source->local) {

@@ -6,6 +6,7 @@
 #include "airlight/ordinates_beam.h"
 #include "airlight/ordinates_dom.h"
 #include "core/phase.h"
+#include "render/ordinates_glow.h"
 #include "render/ordinates_grids.h"
 #include "render/ordinates_patches.h"
 #include "render/ordinates_state.h"
@@ -197,12 +198,11 @@ static size_t solved_first(ord_source_list *sources)
     return count;
 }
 
-static air_status take_sources(solving *self)
+/* Sources [first, end), of which those below `solved` are the solver's. */
+static air_status take_sources(solving *self, size_t first, size_t end, size_t solved)
 {
     air_context *const context = self->with->context;
-    const size_t solved = solved_first(&self->sources);
-    const size_t end = self->with->single ? self->sources.count : solved;
-    for (self->begin = 0; self->begin < end; self->begin += BLOCK) {
+    for (self->begin = first; self->begin < end; self->begin += BLOCK) {
         const size_t rest = end - self->begin,
                      own = solved > self->begin ? solved - self->begin : 0;
         self->count = rest < BLOCK ? rest : BLOCK;
@@ -250,6 +250,36 @@ static void show_scattered(solving *self)
     }
 }
 
+/* Surfaces send back light that the media scattered to them, too: it is taken from a first
+ * solution. */
+static air_status add_glow(solving *self, const air_dom *dom)
+{
+    air_context *const context = self->with->context;
+    const size_t count =
+        self->domain->cells * (size_t)(self->dom.bands * self->dom.bands) * CHANNELS;
+    const ord_space space = {self->path, self->domain, self->extinction[0]};
+    const size_t first = self->sources.count;
+    ord_photons photons = {.context = NULL};
+    float *const all = air_allocate(context, count, sizeof *all);
+    if (all == NULL) {
+        return air_fail_memory(context, "ordinates: light of media");
+    }
+    air_dom_moments(dom, all);
+    for (size_t i = 0; i < count; i++) {
+        all[i] += self->moments[i];
+    }
+    const ord_glow glow = {&space, self->extinction[1], &self->phase, self->dom.bands, all};
+    air_status status = ord_photons_glow(&glow, &photons);
+    air_free(context, all);
+    if (status == AIR_OK) {
+        status =
+            ord_patches_choose(&space, &photons, self->with->settings->patches, &self->sources);
+    }
+    ord_photons_finish(&photons);
+    return status == AIR_OK ? take_sources(self, first, self->sources.count, self->sources.count)
+                            : status;
+}
+
 static air_status scatter(solving *self, uint32_t max_depth)
 {
     const air_ordinates_settings *const settings = self->with->settings;
@@ -273,6 +303,15 @@ static air_status scatter(solving *self, uint32_t max_depth)
     }
     if (status == AIR_OK) {
         status = air_dom_solve(dom, &params, NULL);
+    }
+    if (status == AIR_OK && self->with->snapshot->accelerator != NULL && self->dom.delta_m) {
+        status = add_glow(self, dom);
+        if (status == AIR_OK) {
+            status = air_dom_set_light(dom, self->moments);
+        }
+        if (status == AIR_OK) {
+            status = air_dom_solve(dom, &params, NULL);
+        }
     }
     if (status == AIR_OK) {
         air_dom_moments(dom, self->moments);
@@ -462,7 +501,8 @@ air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
     if (status == AIR_OK) {
         self.peak_ratio = peak_ratio(&self);
         air_parallel_for(with->context, self.domain->size[2], look_back_slab, &self);
-        status = take_sources(&self);
+        const size_t solved = solved_first(&self.sources);
+        status = take_sources(&self, 0, with->single ? self.sources.count : solved, solved);
     }
     if (status == AIR_OK && deep && self.sources.count > 0 &&
         self.sources.items[0].mode == AIR_ORDINATES_MODE_DOM) {

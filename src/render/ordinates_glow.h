@@ -1,0 +1,19 @@
+/* ordinates_glow.h: photons as they leave the media: light that was scattered in the cells, on its
+ * way to surfaces. */
+#ifndef AIR_RENDER_ORDINATES_GLOW_H
+#define AIR_RENDER_ORDINATES_GLOW_H
+
+#include "render/ordinates_photons.h"
+
+typedef struct ord_glow {
+    const ord_space *space;       /* its extinction counts the peaks of phase functions as none */
+    const float *true_extinction; /* likewise laid out */
+    const air_dom_phase *phase;
+    int bands;
+    const float *moments; /* of all light in the cells (ordinates_dom.h) */
+} ord_glow;
+
+/* Shoots photons and follows them as ord_photons_shoot does, without end. */
+air_status ord_photons_glow(const ord_glow *glow, ord_photons *out);
+
+#endif
