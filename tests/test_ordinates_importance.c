@@ -38,7 +38,8 @@ static void clear_air_shows_nothing_by_scattering(void **state)
     air_importance_books books;
     fill(&m, 0.0f, 0.0f, 0.0f);
     propagate(*state, &camera, &m, map, &books);
-    assert_true(fabs(books.through - books.in) < 1e-5 && books.absorbed == 0.0);
+    /* Floats leave a rest of the beam, and of that 1e-19 in the books. */
+    assert_true(fabs(books.through - books.in) < 1e-5 && fabs(books.absorbed) < 1e-12);
     for (size_t t = 0; t < TEXELS; t++) {
         assert_true(map[t] >= 0.0f && map[t] < 1e-5f);
     }
