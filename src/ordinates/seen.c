@@ -136,8 +136,13 @@ static void lobe_at(const air_phase_lobe *from, double lobe, double cosine, doub
     *behind += weight * 0.5 * (1.0 - g) * (1.0 + cosine) * 2.0 / (s * (1.0 + g + s));
 }
 
-/* The value above which lies `share` of the phase function, which rises ahead. */
-static float find_cap(const lobes *phase, double lobe, double share)
+/* The peak begins at a cosine. */
+typedef struct peak_begin {
+    float cosine, value;
+} peak_begin;
+
+/* Above its value lies `share` of the phase function, which rises ahead. */
+static peak_begin find_cap(const lobes *phase, double lobe, double share)
 {
     double low = -1.0, high = 1.0, value = 0.0;
     for (int i = 0; i < 40; i++) {
@@ -151,24 +156,28 @@ static float find_cap(const lobes *phase, double lobe, double share)
         low = more ? low : cosine;
         high = more ? cosine : high;
     }
-    return (float)value;
+    return (peak_begin){(float)low, (float)value};
 }
 
 float air_seen_cap(air_phase phase, float lobe, double share)
 {
     lobes found;
     find_lobes(phase, &found);
-    return find_cap(&found, (double)lobe, share);
+    return find_cap(&found, (double)lobe, share).value;
 }
 
-/* What is above the cap is shown once on the way, as (1 - exp(-d)) / d of each event, d the optical
- * depth of the peak's events on all of it. */
-static void cap_value(const air_seen_peak *peak, float cap, const air_seen_beam *beam, size_t cell,
-                      size_t count, float value[RUN])
+/* What is above the cap ahead is shown once on the way, as (1 - exp(-d)) / d of each event, d the
+ * optical depth of the peak's events on all of it. */
+static void cap_value(const air_seen_peak *peak, peak_begin begin, const air_seen_beam *beam,
+                      size_t cell, size_t count, const float cosine[RUN], float value[RUN])
 {
+    const float cap = begin.value;
     for (size_t n = 0; n < count; n++) {
-        if (value[n] <= cap || beam->peakless) {
-            value[n] = float_min(value[n], cap);
+        if (value[n] <= cap || cosine[n] < begin.cosine) { /* a peak backwards is none */
+            continue;
+        }
+        if (beam->peakless) {
+            value[n] = cap;
             continue;
         }
         const float through = float_max(beam->fluence[(cell + n) * CHANNELS + 3], 1e-30f);
@@ -180,7 +189,7 @@ static void cap_value(const air_seen_peak *peak, float cap, const air_seen_beam 
 }
 
 static void add_beam(const air_seen_beam *beam, const lobes *phase, const air_seen_peak *peak,
-                     float cap, float dir[3][RUN], float v[3][RUN], size_t count, size_t cell,
+                     peak_begin cap, float dir[3][RUN], float v[3][RUN], size_t count, size_t cell,
                      float *out)
 {
     const four power = {beam->power[0], beam->power[1], beam->power[2], 0.0f};
@@ -193,7 +202,7 @@ static void add_beam(const air_seen_beam *beam, const lobes *phase, const air_se
         add_lobe(&phase->lobes[i], beam->lobe, cosine, count, value);
     }
     if (peak != NULL && peak->share > 0.0) {
-        cap_value(peak, cap, beam, cell, count, value);
+        cap_value(peak, cap, beam, cell, count, cosine, value);
     }
     for (size_t n = 0; n < count; n++) {
         float *const at = out + (cell + n) * CHANNELS;
@@ -205,8 +214,10 @@ static void add_beam(const air_seen_beam *beam, const lobes *phase, const air_se
 static void see_beam(const air_seen_box *box, const air_seen_beam *beam, const lobes *phase,
                      const air_seen_peak *peak, size_t begin, size_t end, float *out)
 {
-    const bool capped = peak != NULL && peak->share > 0.0;
-    const float cap = capped ? find_cap(phase, (double)beam->lobe, peak->share) : 0.0f;
+    peak_begin cap = {0.0f, 0.0f};
+    if (peak != NULL && peak->share > 0.0) {
+        cap = find_cap(phase, (double)beam->lobe, peak->share);
+    }
     float v[3][RUN], dir[3][RUN];
     for (size_t k = begin; k < end; k++) {
         for (size_t j = 0; j < box->size[1]; j++) {

@@ -59,8 +59,9 @@ static bool row_kernel(const blurring *self, size_t to, size_t from, float out[W
         const double cosine =
             cos(a) * cos(b) + sin(a) * sin(b) * cos(2.0 * AIR_PI * (double)i / WIDTH);
         const float value = phase_eval(self->phase, (float)fmin(1.0, cosine)) - self->cap;
-        out[i] = value > 0.0f ? value * (float)sin(b) : 0.0f;
-        any = any || value > 0.0f;
+        const bool above = value > 0.0f && cosine > 0.0; /* a peak backwards is none */
+        out[i] = above ? value * (float)sin(b) : 0.0f;
+        any = any || above;
     }
     return any;
 }
