@@ -73,7 +73,7 @@ static float *directional(const fog *self, const double dir[3])
     float *const out = numbers(self->cells * CHANNELS);
     const float unit[3] = {(float)dir[0], (float)dir[1], (float)dir[2]};
     assert_non_null(scratch);
-    air_beam_directional(&self->box, unit, scratch, out);
+    air_beam_directional(NULL, &self->box, unit, scratch, out);
     free(scratch);
     return out;
 }

@@ -28,10 +28,11 @@ AIR_API size_t air_beam_scratch(const size_t size[3]);
  * mean transmittance over each cell, 4 per cell to out_fluence.
  *
  * Optical depths of the centres of faces across the main axis are carried from layer to layer along
- * characteristics, bilinear between centres: along an axis these are exact for what is constant in
- * each cell. A cell's mean takes the depth to change evenly across it. */
-AIR_API void air_beam_directional(const air_beam_box *box, const float dir[3], void *scratch,
-                                  float *out_fluence);
+ * characteristics, bilinear between centres; along an axis this is exact for what is constant in
+ * each cell. A cell's mean takes the depth to change evenly across it. The context chooses the
+ * instruction set; NULL is legal and takes the plainest. */
+AIR_API void air_beam_directional(const air_context *context, const air_beam_box *box,
+                                  const float dir[3], void *scratch, float *out_fluence);
 
 /* Transmittance between a point, in or outside the box, and the centre of each cell, 4 per cell to
  * out. The extinction of a cell is constant in it. */

@@ -1,39 +1,25 @@
 /* beam.c: light from infinity through a box of cells, layer by layer. */
 #include <math.h>
 
-#include "airlight/ordinates_beam.h"
-#include "core/vec.h"
+#include "ordinates/beam.h"
 #include "ordinates/four.h"
 
-enum { CHANNELS = 4 };
+enum { CHANNELS = BEAM_CHANNELS };
 
-/* Beyond this nothing is left. */
-#define DEPTH_MOST 80.0f
-
-/* A sweep along the main axis w, across which u and v lie. */
-typedef struct sweep {
-    const air_beam_box *box;
-    size_t count[3];  /* along u, v, w */
-    size_t stride[3]; /* from cell to cell */
-    bool back;        /* travels towards smaller w */
-    float shift[2];   /* how far upstream, in cells, the characteristic lies one layer before */
-    float length;     /* of the characteristic within a layer, m */
-    /* Optical depths before and behind a layer, planes with a border: [(v + 1) * (count[0] + 2) +
-     * u + 1]; and the transmittances of the former. */
-    float *depth, *next, *through;
-} sweep;
+/* Cells of a row of planes: the border and room for whole vectors. */
+static size_t row_of(size_t count) { return (count + BEAM_PAD - 1) / BEAM_PAD * BEAM_PAD + 2; }
 
 size_t air_beam_scratch(const size_t size[3])
 {
     size_t most = 0;
     for (int axis = 0; axis < 3; axis++) {
-        const size_t plane = (size[axis] + 2) * (size[(axis + 1) % 3] + 2);
+        const size_t plane = row_of(size[axis]) * (size[(axis + 1) % 3] + 2);
         most = plane > most ? plane : most;
     }
-    return 3 * most * CHANNELS * sizeof(float);
+    return BEAM_PLANES * most * CHANNELS * sizeof(float);
 }
 
-static sweep sweep_make(const air_beam_box *box, const float dir[3], void *scratch)
+beam_sweep beam_sweep_make(const air_beam_box *box, const float dir[3], void *scratch)
 {
     const size_t strides[3] = {1, box->size[0], box->size[0] * box->size[1]};
     float speed[3]; /* in cells */
@@ -43,7 +29,7 @@ static sweep sweep_make(const air_beam_box *box, const float dir[3], void *scrat
         w = fabsf(speed[axis]) > fabsf(speed[w]) ? axis : w;
     }
     const int axes[3] = {(w + 1) % 3, (w + 2) % 3, w};
-    sweep s = {.box = box, .back = speed[w] < 0.0f, .length = box->cell_m[w] / fabsf(dir[w])};
+    beam_sweep s = {.box = box, .back = speed[w] < 0.0f, .length = box->cell_m[w] / fabsf(dir[w])};
     for (int i = 0; i < 3; i++) {
         s.count[i] = box->size[axes[i]];
         s.stride[i] = strides[axes[i]];
@@ -51,20 +37,17 @@ static sweep sweep_make(const air_beam_box *box, const float dir[3], void *scrat
     for (int i = 0; i < 2; i++) {
         s.shift[i] = speed[axes[i]] / fabsf(speed[w]);
     }
-    const size_t plane = (s.count[0] + 2) * (s.count[1] + 2) * CHANNELS;
-    s.depth = scratch;
-    s.next = s.depth + plane;
-    s.through = s.next + plane;
-    for (size_t i = 0; i < plane; i++) {
-        s.depth[i] = 0.0f;
-        s.through[i] = 1.0f;
+    s.row = row_of(s.count[0]);
+    const size_t plane = s.row * (s.count[1] + 2) * CHANNELS;
+    float *at = scratch;
+    float **const planes[BEAM_PLANES] = {&s.depth, &s.next, &s.through, &s.sigma, &s.sum};
+    for (int i = 0; i < BEAM_PLANES; i++, at += plane) {
+        *planes[i] = at;
+        for (size_t n = 0; n < plane; n++) {
+            at[n] = i == 2 ? 1.0f : 0.0f;
+        }
     }
     return s;
-}
-
-static size_t place(const sweep *s, size_t u, size_t v) /* of cell (u - 1, v - 1) */
-{
-    return (v * (s->count[0] + 2) + u) * CHANNELS;
 }
 
 /* Border cells are such that between them and their neighbours, at the box's side, the depth is 0.
@@ -76,9 +59,9 @@ static void extend(float *plane, size_t step, size_t count)
     four_store(high, -four_load(high - step));
 }
 
-static void extend_plane(const sweep *s, float *plane)
+static void extend_plane(const beam_sweep *s, float *plane)
 {
-    const size_t row = (s->count[0] + 2) * CHANNELS;
+    const size_t row = s->row * CHANNELS;
     for (size_t v = 1; v <= s->count[1]; v++) {
         extend(plane + v * row, CHANNELS, s->count[0]);
     }
@@ -87,19 +70,12 @@ static void extend_plane(const sweep *s, float *plane)
     }
 }
 
-/* Weights of bilinear interpolation at a cell's centre less the shift: of the cell, its neighbours
- * upstream along u and v, and both; and by how much these lie away. */
-typedef struct stencil {
-    float weight[4];
-    ptrdiff_t to_u, to_v; /* -1 or 1 */
-} stencil;
-
-static stencil stencil_make(float shift_u, float shift_v)
+beam_stencil beam_stencil_make(float shift_u, float shift_v)
 {
     const float u = fabsf(shift_u), v = fabsf(shift_v);
-    const stencil out = {{(1.0f - u) * (1.0f - v), u * (1.0f - v), (1.0f - u) * v, u * v},
-                         shift_u > 0.0f ? -1 : 1,
-                         shift_v > 0.0f ? -1 : 1};
+    const beam_stencil out = {{(1.0f - u) * (1.0f - v), u * (1.0f - v), (1.0f - u) * v, u * v},
+                              shift_u > 0.0f ? -1 : 1,
+                              shift_v > 0.0f ? -1 : 1};
     return out;
 }
 
@@ -122,14 +98,14 @@ static inline four interpolate(const float weight[4], const float *at, ptrdiff_t
 }
 
 /* Cells that the light enters by the side: behind the layer its way began at that side. */
-static void enter(const sweep *s, size_t u, size_t v, float share, const float *sigma)
+static void enter(const beam_sweep *s, size_t u, size_t v, float share, const float *sigma)
 {
-    four_store(s->next + place(s, u + 1, v + 1), four_load(sigma) * (share * s->length));
+    four_store(s->next + beam_place(s, u + 1, v + 1), four_load(sigma) * (share * s->length));
 }
 
 /* The rows and columns where it does: those at the near side if characteristics go farther than
  * half a cell within a layer. */
-static void enter_sides(const sweep *s, const stencil *up, size_t w)
+static void enter_sides(const beam_sweep *s, const beam_stencil *up, size_t w)
 {
     const float *const sigma = s->box->extinction + w * s->stride[2] * CHANNELS;
     const ptrdiff_t way[2] = {up->to_u, up->to_v};
@@ -145,21 +121,27 @@ static void enter_sides(const sweep *s, const stencil *up, size_t w)
     }
 }
 
-/* The optical depths behind layer w from those before it. */
-static void carry(const sweep *s, size_t w)
+void beam_close_sides(const beam_sweep *s, const beam_stencil *up, size_t w)
 {
-    const stencil up = stencil_make(s->shift[0], s->shift[1]);
-    const stencil half = stencil_make(0.5f * s->shift[0], 0.5f * s->shift[1]);
+    enter_sides(s, up, w);
+    extend_plane(s, s->next);
+}
+
+/* The optical depths behind layer w from those before it. */
+static void carry(const beam_sweep *s, size_t w)
+{
+    const beam_stencil up = beam_stencil_make(s->shift[0], s->shift[1]);
+    const beam_stencil half = beam_stencil_make(0.5f * s->shift[0], 0.5f * s->shift[1]);
     const ptrdiff_t to_u = up.to_u * CHANNELS;
-    const ptrdiff_t to_v = up.to_v * (ptrdiff_t)((s->count[0] + 2) * CHANNELS);
+    const ptrdiff_t to_v = up.to_v * (ptrdiff_t)(s->row * CHANNELS);
     const float *const sigma = s->box->extinction + w * s->stride[2] * CHANNELS;
     const size_t step = s->stride[0] * CHANNELS;
     for (size_t v = 0; v < s->count[1]; v++) {
         const float *const row = sigma + v * s->stride[1] * CHANNELS;
         const ptrdiff_t beside =
             (sigma - row) + (ptrdiff_t)(clamped(v, up.to_v, s->count[1]) * s->stride[1] * CHANNELS);
-        const float *const depth = s->depth + place(s, 1, v + 1);
-        float *const next = s->next + place(s, 1, v + 1);
+        const float *const depth = s->depth + beam_place(s, 1, v + 1);
+        float *const next = s->next + beam_place(s, 1, v + 1);
         for (size_t u = 0; u < s->count[0]; u++) {
             const ptrdiff_t at = (ptrdiff_t)(u * step);
             const ptrdiff_t along = (ptrdiff_t)(clamped(u, up.to_u, s->count[0]) * step) - at;
@@ -168,34 +150,32 @@ static void carry(const sweep *s, size_t w)
             four_store(next + u * CHANNELS, four_max(before, four_all(0.0f)) + mean * s->length);
         }
     }
-    enter_sides(s, &up, w);
-    extend_plane(s, s->next);
+    beam_close_sides(s, &up, w);
 }
 
 static inline four size_of(four a) { return four_max(a, -a); }
 
-/* Square of half of how much the depth changes across the cell, between two neighbours of it: none
- * at an extremum, and not beyond what either has or, at the box's side, beyond 0. Else cells behind
- * steep borders of shadows would be lit through them. */
-static inline four half_slope_square(const float *before, const float *after, ptrdiff_t low,
-                                     ptrdiff_t high)
+/* Half of how much the depth changes across the cell, between two neighbours of it (at the box's
+ * side itself): none at an extremum, not beyond twice what either side has, nor beyond depth 0.
+ * Else cells behind steep borders of shadows would be lit through them. */
+static inline four half_slope(const float *before, const float *after, ptrdiff_t low,
+                              ptrdiff_t high)
 {
     const four own = four_load(before) + four_load(after);
-    const four up = four_load(before + high) + four_load(after + high) - own;
-    const four down = own - (four_load(before + low) + four_load(after + low));
-    const four least = four_min(size_of(up), size_of(down));
-    const four side = four_min(0.25f * size_of(up + down), own * 0.5f);
+    four up = four_load(before + high) + four_load(after + high) - own;
+    four down = own - (four_load(before + low) + four_load(after + low));
+    up = high == 0 ? down : up;
+    down = low == 0 ? up : down;
+    const four least = four_min(four_min(size_of(up), size_of(down)), own);
     const four within = four_min(0.125f * size_of(up + down), 0.5f * least);
-    const four half =
-        low == 0 || high == 0 ? side : four_select(up * down > 0.0f, within, four_all(0.0f));
-    return half * half;
+    return four_select(up * down > 0.0f, within, four_all(0.0f));
 }
 
-/* log(sinh(x) / x), by which the mean of exp over an even slope exceeds that of its middle, from
- * x^2: off by 0.01 up to x = 2.5 and 0.02 up to 5, where it is 2.7. */
-static inline four log_spread(four square)
+/* log(sinh(x) / x), by which the mean of exp over an even slope exceeds that of its middle, off by
+ * 0.01 up to x = 2.5 and 0.02 up to 5, where it is 2.7. */
+static inline four log_spread(four half)
 {
-    const four size = four_root(square);
+    const four size = size_of(half), square = half * half;
     return square / (6.0f + square * 0.2f / (1.0f + size * 0.1f));
 }
 
@@ -209,26 +189,26 @@ static inline four cell_mean(four depth, four next, four through, four next_thro
     const four middle =
         through * (1.0f - change * 0.5f + small * (1.0f / 6.0f - change * (1.0f / 24.0f)));
     const four mean = four_select(size < 0.05f, middle, (through - next_through) / safe);
-    const four more = 1.0f / four_exp(-four_min(spread, four_all(DEPTH_MOST)));
+    const four more = 1.0f / four_exp(-four_min(spread, four_all(BEAM_DEPTH_MOST)));
     return four_min(mean * more, four_all(1.0f));
 }
 
 /* Cells of layer w; transmittances behind it replace those before. */
-static void average(const sweep *s, size_t w, float *out)
+static void average(const beam_sweep *s, size_t w, float *out)
 {
-    const ptrdiff_t row = (ptrdiff_t)((s->count[0] + 2) * CHANNELS);
+    const ptrdiff_t row = (ptrdiff_t)(s->row * CHANNELS);
     float *const layer = out + w * s->stride[2] * CHANNELS;
     for (size_t v = 0; v < s->count[1]; v++) {
         const ptrdiff_t low_v = v == 0 ? 0 : -row, high_v = v + 1 == s->count[1] ? 0 : row;
         for (size_t u = 0; u < s->count[0]; u++) {
-            const size_t at = place(s, u + 1, v + 1);
+            const size_t at = beam_place(s, u + 1, v + 1);
             const float *const before = s->depth + at, *const after = s->next + at;
             const ptrdiff_t low_u = u == 0 ? 0 : -CHANNELS;
             const ptrdiff_t high_u = u + 1 == s->count[0] ? 0 : CHANNELS;
             const four next = four_load(after), through = four_load(s->through + at);
-            const four next_through = four_exp(-four_min(next, four_all(DEPTH_MOST)));
-            const four across = log_spread(half_slope_square(before, after, low_u, high_u)) +
-                                log_spread(half_slope_square(before, after, low_v, high_v));
+            const four next_through = four_exp(-four_min(next, four_all(BEAM_DEPTH_MOST)));
+            const four across = log_spread(half_slope(before, after, low_u, high_u)) +
+                                log_spread(half_slope(before, after, low_v, high_v));
             four_store(layer + (v * s->stride[1] + u * s->stride[0]) * CHANNELS,
                        cell_mean(four_load(before), next, through, next_through, across));
             four_store(s->through + at, next_through);
@@ -236,10 +216,10 @@ static void average(const sweep *s, size_t w, float *out)
     }
 }
 
-void air_beam_directional(const air_beam_box *box, const float dir[3], void *scratch,
-                          float *out_fluence)
+void beam_directional_plain(const air_beam_box *box, const float dir[3], void *scratch,
+                            float *out_fluence)
 {
-    sweep s = sweep_make(box, dir, scratch);
+    beam_sweep s = beam_sweep_make(box, dir, scratch);
     for (size_t layer = 0; layer < s.count[2]; layer++) {
         const size_t w = s.back ? s.count[2] - 1 - layer : layer;
         carry(&s, w);
@@ -248,6 +228,28 @@ void air_beam_directional(const air_beam_box *box, const float dir[3], void *scr
         s.depth = s.next;
         s.next = keep;
     }
+}
+
+static beam_directional *version_of(air_cpu cpu)
+{
+    switch (cpu) {
+#if defined(__x86_64__)
+    case AIR_CPU_AVX512:
+        return beam_directional_avx512;
+    case AIR_CPU_AVX2:
+        return beam_directional_avx2;
+    case AIR_CPU_SSE42:
+        return beam_directional_sse42;
+#endif
+    default:
+        return beam_directional_plain;
+    }
+}
+
+void air_beam_directional(const air_context *context, const air_beam_box *box, const float dir[3],
+                          void *scratch, float *out_fluence)
+{
+    version_of(air_context_cpu(context))(box, dir, scratch, out_fluence);
 }
 
 /* ---- points ---- */
@@ -321,7 +323,7 @@ void air_beam_point(const air_beam_box *box, const float position[3], float *out
                 cell_center(box, cell, center);
                 air_beam_depth(box, position, center, depth);
                 const four d = four_load(depth);
-                four_store(out + at, four_exp(-four_min(d, four_all(DEPTH_MOST))));
+                four_store(out + at, four_exp(-four_min(d, four_all(BEAM_DEPTH_MOST))));
             }
         }
     }

@@ -2,7 +2,6 @@
 #ifndef AIR_ORDINATES_FOUR_H
 #define AIR_ORDINATES_FOUR_H
 
-#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -27,11 +26,6 @@ static inline four four_select(four_ints mask, four a, four b)
 
 static inline four four_max(four a, four b) { return four_select(a > b, a, b); }
 static inline four four_min(four a, four b) { return four_select(a < b, a, b); }
-
-static inline four four_root(four x)
-{
-    return (four){sqrtf(x[0]), sqrtf(x[1]), sqrtf(x[2]), sqrtf(x[3])};
-}
 
 /* exp(x) for x in [-87, 0], as air_exp (core/exponential.h): relative error 1e-7. */
 static inline four four_exp(four x)

@@ -252,7 +252,7 @@ void ord_source_fluence(const ord_domain *domain, const ord_source *source, cons
     } else {
         const air_beam_box box = box_of(domain, extinction);
         const float dir[3] = {source->place.x, source->place.y, source->place.z};
-        air_beam_directional(&box, dir, scratch, out);
+        air_beam_directional(path->snapshot->context, &box, dir, scratch, out);
     }
     const size_t run = PACKET / LOOKS;
     for (size_t cell = 0; is_hidden_anywhere(source, path) && cell < domain->cells; cell += run) {

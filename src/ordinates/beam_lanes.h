@@ -1,0 +1,203 @@
+/* beam_lanes.h: a beam's sweep for the instruction set of the including file, which defines
+ * BEAM_DIRECTIONAL as the function's name. Lanes are CELLS neighbours of a row times four numbers.
+ *
+ * Rows are worked through in whole vectors; what is behind their end is border, which is set
+ * afterwards, or room that nobody looks at. */
+#include "core/lanes_float.h"
+#include "ordinates/beam.h"
+
+typedef int32_t lane_ints __attribute__((vector_size(4 * LANES)));
+
+enum { CELLS = LANES / BEAM_CHANNELS, BYTES = BEAM_CHANNELS * sizeof(float) };
+
+/* exp(x) for x in [-80, 80]: see core/exponential.h; relative error 3e-7. */
+static inline lanes beam_exp(lanes x)
+{
+    const lanes magic = lanes_all(0x1.8p23f), one = lanes_all(1.0f);
+    const lanes shifted = lanes_madd(x, lanes_all(1.44269504f), magic), n = shifted - magic;
+    const lanes r =
+        lanes_nmadd(n, lanes_all(-2.12194440e-4f), lanes_nmadd(n, lanes_all(0.693359375f), x));
+    const lanes r2 = r * r;
+    const lanes p23 = lanes_madd(r, lanes_all(1.0f / 6.0f), lanes_all(0.5f));
+    const lanes p45 = lanes_madd(r, lanes_all(1.0f / 120.0f), lanes_all(1.0f / 24.0f));
+    const lanes p67 = lanes_madd(r, lanes_all(1.0f / 5040.0f), lanes_all(1.0f / 720.0f));
+    const lanes p = lanes_madd(r2, lanes_madd(r2, lanes_madd(r2, p67, p45), p23), r);
+    const lanes power = (lanes)(((lane_ints)shifted << 23) + (lane_ints)one);
+    return lanes_madd(p, power, power);
+}
+
+/* ---- planes ---- */
+
+/* The extinction of layer w; the border is like the cells beside it. */
+static void pack_layer(const beam_sweep *s, size_t w)
+{
+    const float *const layer = s->box->extinction + w * s->stride[2] * BEAM_CHANNELS;
+    const size_t row = s->row * BEAM_CHANNELS, step = s->stride[0] * BEAM_CHANNELS;
+    for (size_t v = 0; v < s->count[1]; v++) {
+        const float *const from = layer + v * s->stride[1] * BEAM_CHANNELS;
+        float *const to = s->sigma + beam_place(s, 0, v + 1);
+        for (size_t u = 0; u < s->count[0]; u++) {
+            memcpy(to + (u + 1) * BEAM_CHANNELS, from + u * step, BYTES);
+        }
+        memcpy(to, to + BEAM_CHANNELS, BYTES);
+        memcpy(to + (s->count[0] + 1) * BEAM_CHANNELS, to + s->count[0] * BEAM_CHANNELS, BYTES);
+    }
+    memcpy(s->sigma, s->sigma + row, row * sizeof(float));
+    float *const last = s->sigma + (s->count[1] + 1) * row;
+    memcpy(last, last - row, row * sizeof(float));
+}
+
+static inline lanes interpolate(const lanes weight[4], const float *at, ptrdiff_t u, ptrdiff_t v)
+{
+    const lanes a = lanes_madd(weight[1], lanes_load(at + u), weight[0] * lanes_load(at));
+    return lanes_madd(weight[3], lanes_load(at + u + v),
+                      lanes_madd(weight[2], lanes_load(at + v), a));
+}
+
+/* The optical depths behind a layer from those before it. */
+static void carry(const beam_sweep *s, const beam_stencil *up)
+{
+    const beam_stencil half = beam_stencil_make(0.5f * s->shift[0], 0.5f * s->shift[1]);
+    const ptrdiff_t u = up->to_u * BEAM_CHANNELS;
+    const ptrdiff_t v = up->to_v * (ptrdiff_t)(s->row * BEAM_CHANNELS);
+    lanes depths[4], sigmas[4];
+    for (int i = 0; i < 4; i++) {
+        depths[i] = lanes_all(up->weight[i]);
+        sigmas[i] = lanes_all(half.weight[i] * s->length);
+    }
+    for (size_t j = 0; j < s->count[1]; j++) {
+        const size_t begin = beam_place(s, 1, j + 1);
+        for (size_t n = begin; n < begin + s->count[0] * BEAM_CHANNELS; n += LANES) {
+            const lanes before = interpolate(depths, s->depth + n, u, v);
+            lanes_store(s->next + n, lanes_max(before, lanes_all(0.0f)) +
+                                         interpolate(sigmas, s->sigma + n, u, v));
+        }
+    }
+}
+
+/* Beyond the outermost of `count` cells the line through the last two goes on. */
+static void go_on(float *plane, size_t step, size_t count)
+{
+    const size_t by = count > 1 ? step : 0;
+    float *const low = plane, *const high = plane + (count + 1) * step;
+    for (size_t c = 0; c < BEAM_CHANNELS; c++) {
+        low[c] = 2.0f * low[step + c] - low[step + by + c];
+        high[c] = 2.0f * (high - step)[c] - (high - step - by)[c];
+    }
+}
+
+static void sum_depths(const beam_sweep *s)
+{
+    const size_t row = s->row * BEAM_CHANNELS;
+    for (size_t v = 1; v <= s->count[1]; v++) {
+        const size_t begin = beam_place(s, 1, v);
+        for (size_t n = begin; n < begin + s->count[0] * BEAM_CHANNELS; n += LANES) {
+            lanes_store(s->sum + n, lanes_load(s->depth + n) + lanes_load(s->next + n));
+        }
+        go_on(s->sum + v * row, BEAM_CHANNELS, s->count[0]);
+    }
+    for (size_t u = 1; u <= s->count[0]; u++) {
+        go_on(s->sum + u * BEAM_CHANNELS, row, s->count[1]);
+    }
+}
+
+/* ---- means ---- */
+
+/* log(sinh(x) / x) as numerator and denominator; see beam.c. Above 1000 it is more than is looked
+ * at. */
+static inline lanes spread_above(lanes half, lanes square)
+{
+    return square * lanes_madd(half, lanes_all(0.1f), lanes_all(1.0f));
+}
+
+static inline lanes spread_below(lanes half, lanes square)
+{
+    return lanes_madd(square, lanes_all(0.2f), lanes_madd(half, lanes_all(0.6f), lanes_all(6.0f)));
+}
+
+/* Half of how much the depth changes across the cell; see beam.c. sum: of the depths before and
+ * behind it. */
+static inline lanes half_slope(const float *sum, size_t step)
+{
+    const lanes own = lanes_load(sum), none = lanes_all(0.0f), half = lanes_all(0.5f);
+    const lanes up = lanes_load(sum + step) - own, down = own - lanes_load(sum - step);
+    const lanes least = lanes_min(lanes_min(lanes_abs(up), lanes_abs(down)), own);
+    const lanes within = lanes_min(lanes_abs(up + down) * lanes_all(0.125f), least * half);
+    const lanes some = lanes_select(lanes_less(none, up * down), within, none);
+    return lanes_min(some, lanes_all(1000.0f));
+}
+
+/* Of the slopes along u and v together. */
+static inline lanes spread_of(const float *sum, size_t row)
+{
+    const lanes u = half_slope(sum, BEAM_CHANNELS), u2 = u * u;
+    const lanes v = half_slope(sum, row), v2 = v * v;
+    const lanes below_u = spread_below(u, u2), below_v = spread_below(v, v2);
+    const lanes above = lanes_madd(spread_above(u, u2), below_v, spread_above(v, v2) * below_u);
+    return above * lanes_inverse(below_u * below_v);
+}
+
+static inline lanes cell_mean(lanes depth, lanes next, lanes through, lanes next_through,
+                              lanes spread)
+{
+    const lanes one = lanes_all(1.0f), change = next - depth;
+    const lane_mask hardly = lanes_less(lanes_abs(change), lanes_all(0.05f));
+    const lanes bend = lanes_nmadd(change, lanes_all(1.0f / 24.0f), lanes_all(1.0f / 6.0f));
+    const lanes series =
+        lanes_madd(change * change, bend, lanes_nmadd(change, lanes_all(0.5f), one));
+    const lanes mean =
+        lanes_select(hardly, through * series,
+                     (through - next_through) * lanes_inverse(lanes_select(hardly, one, change)));
+    return lanes_min(mean * beam_exp(lanes_min(spread, lanes_all(BEAM_DEPTH_MOST))), one);
+}
+
+static inline void give(const beam_sweep *s, lanes mean, size_t u, float *row)
+{
+    float numbers[LANES];
+    lanes_store(numbers, mean);
+    for (size_t n = 0; n < CELLS && u + n < s->count[0]; n++) {
+        memcpy(row + (u + n) * s->stride[0] * BEAM_CHANNELS, numbers + n * BEAM_CHANNELS, BYTES);
+    }
+}
+
+/* Cells of layer w; transmittances behind it replace those before. */
+static void average(const beam_sweep *s, size_t w, float *out)
+{
+    const size_t row = s->row * BEAM_CHANNELS;
+    float *const layer = out + w * s->stride[2] * BEAM_CHANNELS;
+    for (size_t v = 0; v < s->count[1]; v++) {
+        float *const to = layer + v * s->stride[1] * BEAM_CHANNELS;
+        for (size_t u = 0; u < s->count[0]; u += CELLS) {
+            const size_t at = beam_place(s, u + 1, v + 1);
+            const lanes next = lanes_load(s->next + at), through = lanes_load(s->through + at);
+            const lanes most = lanes_all(BEAM_DEPTH_MOST);
+            const lanes behind = beam_exp(lanes_all(0.0f) - lanes_min(next, most));
+            const lanes mean = cell_mean(lanes_load(s->depth + at), next, through, behind,
+                                         spread_of(s->sum + at, row));
+            lanes_store(s->through + at, behind);
+            if (s->stride[0] == 1 && u + CELLS <= s->count[0]) {
+                lanes_store(to + u * BEAM_CHANNELS, mean);
+            } else {
+                give(s, mean, u, to);
+            }
+        }
+    }
+}
+
+void BEAM_DIRECTIONAL(const air_beam_box *box, const float dir[3], void *scratch,
+                      float *out_fluence)
+{
+    beam_sweep s = beam_sweep_make(box, dir, scratch);
+    const beam_stencil up = beam_stencil_make(s.shift[0], s.shift[1]);
+    for (size_t layer = 0; layer < s.count[2]; layer++) {
+        const size_t w = s.back ? s.count[2] - 1 - layer : layer;
+        pack_layer(&s, w);
+        carry(&s, &up);
+        beam_close_sides(&s, &up, w);
+        sum_depths(&s);
+        average(&s, w, out_fluence);
+        float *const keep = s.depth;
+        s.depth = s.next;
+        s.next = keep;
+    }
+}
