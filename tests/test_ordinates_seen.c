@@ -94,7 +94,7 @@ static float *see(const air_seen_box *box, const air_seen_beam *beams, size_t co
                   air_phase phase, const air_seen_peak *peak)
 {
     float *const out = numbers(CELLS * CHANNELS);
-    air_seen_beams(box, beams, count, phase, peak, 0, Z, out);
+    air_seen_beams(NULL, box, beams, count, phase, peak, 0, Z, out);
     return out;
 }
 
@@ -197,7 +197,7 @@ static void moments_reproduce_their_field(void **state)
         for (size_t i = 0; i < CELLS * count * CHANNELS; i++) {
             moments[i] = (float)random_between(&rng, -1.0, 1.0);
         }
-        air_seen_moments(&box, bands, moments, factors, 0, Z, found);
+        air_seen_moments(NULL, &box, bands, moments, factors, 0, Z, found);
         for (size_t cell = 0; cell < CELLS; cell++) {
             double v[3], y[AIR_SH_COUNT_MAX], sum = 0.0;
             way_to(&box, cell, box.distant, box.observer, v);
@@ -234,8 +234,8 @@ static void moments_of_beams_show_what_beams_do(void **state)
             for (int l = 0; l < bands; l++) {
                 factors[l] = pow(0.5, l);
             }
-            air_beam_moments(&box, &beam, 1, bands, 0, Z, moments);
-            air_seen_moments(&box, bands, moments, factors, 0, Z, found);
+            air_beam_moments(NULL, &box, &beam, 1, bands, 0, Z, moments);
+            air_seen_moments(NULL, &box, bands, moments, factors, 0, Z, found);
             for (size_t i = 0; i < CELLS * CHANNELS; i++) {
                 most = fmax(most, fabs((double)found[i] - (double)expected[i]));
             }
@@ -336,9 +336,9 @@ static void the_peak_is_shown_once(void **state)
     }
     air_seen_beam beam = {false, false, {1, 0, 0}, {1, 1, 1}, 1.0f, fluence};
     const air_seen_peak peak = {share, share / (1.0 - share), depth};
-    air_seen_beams(&box, &beam, 1, hg((float)g), &peak, 0, 1, seen);
+    air_seen_beams(NULL, &box, &beam, 1, hg((float)g), &peak, 0, 1, seen);
     beam.peakless = true;
-    air_seen_beams(&box, &beam, 1, hg((float)g), &peak, 0, 1, dull);
+    air_seen_beams(NULL, &box, &beam, 1, hg((float)g), &peak, 0, 1, dull);
     double sum = 0.0;
     const double cap = (double)air_seen_cap(hg((float)g), 1.0f, share);
     for (int i = 0; i < X; i++) {
@@ -367,7 +367,7 @@ static void peaks_backwards_stay(void **state)
         const air_seen_beam beam = {false, peakless == 1, {1, 0, 0}, {1, 1, 1}, 1.0f, fluence};
         const air_seen_peak peak = {0.2, 3.0, depth};
         memset(seen, 0, sizeof seen);
-        air_seen_beams(&box, &beam, 1, mixture(&both_ways), &peak, 0, 1, seen);
+        air_seen_beams(NULL, &box, &beam, 1, mixture(&both_ways), &peak, 0, 1, seen);
         const double value = (double)air_phase_eval(mixture(&both_ways), -1.0f);
         assert_near((double)seen[0], 0.25 * value, 1e-5);
     }
@@ -392,14 +392,14 @@ static void parts_give_the_same_bytes_and_nothing_else(void **state)
         light[n] = numbers(numbers_of[0]);
         moments[n] = numbers(numbers_of[1]);
     }
-    air_beam_moments(&box, beams, 2, BANDS, 0, Z, moments[0]);
-    air_seen_beams(&box, beams, 2, mixture(&haze), &peak, 0, Z, light[0]);
-    air_seen_moments(&box, BANDS, moments[0], factors, 0, Z, light[0]);
+    air_beam_moments(NULL, &box, beams, 2, BANDS, 0, Z, moments[0]);
+    air_seen_beams(NULL, &box, beams, 2, mixture(&haze), &peak, 0, Z, light[0]);
+    air_seen_moments(NULL, &box, BANDS, moments[0], factors, 0, Z, light[0]);
     for (size_t part = 0; part < Z; part++) {
         const size_t k = (part + 2) % Z, slab = X * Y * CHANNELS;
-        air_beam_moments(&box, beams, 2, BANDS, k, k + 1, moments[1]);
-        air_seen_beams(&box, beams, 2, mixture(&haze), &peak, k, k + 1, light[1]);
-        air_seen_moments(&box, BANDS, moments[0], factors, k, k + 1, light[1]);
+        air_beam_moments(NULL, &box, beams, 2, BANDS, k, k + 1, moments[1]);
+        air_seen_beams(NULL, &box, beams, 2, mixture(&haze), &peak, k, k + 1, light[1]);
+        air_seen_moments(NULL, &box, BANDS, moments[0], factors, k, k + 1, light[1]);
         const size_t next = (part + 3) % Z;
         for (size_t i = next * slab; part + 1 < Z && i < (next + 1) * slab; i++) {
             assert_true(light[1][i] == 0.0f);

@@ -4,7 +4,8 @@
  * Plain functions over arrays, without threads or allocation. Boxes of cells begin at the origin;
  * cell (i, j, k) is number (k * size[1] + j) * size[0] + i; numbers of cells come in fours, three
  * channels and one that is said where it is used. Functions that take a range of k can run side by
- * side on disjoint ranges. */
+ * side on disjoint ranges. The context chooses the instruction set; NULL is legal and takes the
+ * plainest. */
 #ifndef AIRLIGHT_ORDINATES_VIEW_H
 #define AIRLIGHT_ORDINATES_VIEW_H
 
@@ -31,8 +32,9 @@ typedef struct air_seen_box {
 /* Adds to out, for the cells of k in [begin, end), what moments of radiance (ordinates_dom.h; bands
  * of them) scatter towards the observer, over sigma_s: the sum of factors[l] c_lm y_lm. factors:
  * for a phase function the mean of P_l, less that of P_bands with delta-M. */
-AIR_API void air_seen_moments(const air_seen_box *box, int bands, const float *moments,
-                              const double *factors, size_t begin, size_t end, float *out);
+AIR_API void air_seen_moments(const air_context *context, const air_seen_box *box, int bands,
+                              const float *moments, const double *factors, size_t begin, size_t end,
+                              float *out);
 
 /* Light whose fluence in each cell is fluence (4 numbers, the fourth the mean transmittance on the
  * way there) times power, of directions that spread with mean cosine lobe about one direction of
@@ -63,13 +65,14 @@ AIR_API float air_seen_cap(air_phase phase, float lobe, double share);
 /* Adds what the phase function scatters of beams, likewise. The lobes widen the phase function:
  * mean cosines are multiplied. The peak is what of it is above a certain value. peak NULL: none.
  * [Elek2014, eq. 8] */
-AIR_API void air_seen_beams(const air_seen_box *box, const air_seen_beam *beams, size_t count,
-                            air_phase phase, const air_seen_peak *peak, size_t begin, size_t end,
-                            float *out);
+AIR_API void air_seen_beams(const air_context *context, const air_seen_box *box,
+                            const air_seen_beam *beams, size_t count, air_phase phase,
+                            const air_seen_peak *peak, size_t begin, size_t end, float *out);
 
 /* Adds the moments of beams' radiance (ordinates_dom.h; bands of them) to out, likewise. */
-AIR_API void air_beam_moments(const air_seen_box *box, const air_seen_beam *beams, size_t count,
-                              int bands, size_t begin, size_t end, float *out);
+AIR_API void air_beam_moments(const air_context *context, const air_seen_box *box,
+                              const air_seen_beam *beams, size_t count, int bands, size_t begin,
+                              size_t end, float *out);
 
 /* ---- volumes ---- */
 
@@ -102,8 +105,7 @@ typedef struct air_volume_rays {
 } air_volume_rays;
 
 /* Radiance that arrives at the origins and transmittance of the marched parts, in `steps` equal
- * steps each: in a step extinction and J are constant. Three arrays each; borrowed. The context
- * chooses the instruction set. */
+ * steps each: in a step extinction and J are constant. Three arrays each; borrowed. */
 AIR_API void air_volume_march(const air_context *context, const air_volume *volume,
                               const air_volume_rays *rays, size_t count, uint32_t steps,
                               float *const out_radiance[3], float *const out_transmittance[3]);

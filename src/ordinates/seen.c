@@ -1,12 +1,12 @@
 /* seen.c: source functions towards an observer. */
 #include <math.h>
 
-#include "airlight/ordinates_view.h"
 #include "core/harmonics.h"
 #include "core/phase.h"
 #include "ordinates/four.h"
+#include "ordinates/seen.h"
 
-enum { CHANNELS = 4, RUN = 64 /* cells of a row at a time */ };
+enum { CHANNELS = SEEN_CHANNELS, RUN = SEEN_RUN };
 
 /* Directions of travel from the centres of `count` cells of a row to the observer. */
 static void view_directions(const air_seen_box *box, size_t i, size_t j, size_t k, size_t count,
@@ -43,8 +43,8 @@ static four sum_moments(int bands, const float *moments, const double *factors, 
     return sum;
 }
 
-void air_seen_moments(const air_seen_box *box, int bands, const float *moments,
-                      const double *factors, size_t begin, size_t end, float *out)
+static void see_moments(const air_seen_box *box, int bands, const float *moments,
+                        const double *factors, size_t begin, size_t end, float *out)
 {
     const size_t stride = (size_t)(bands * bands) * CHANNELS;
     float v[3][RUN];
@@ -103,14 +103,7 @@ static void beam_directions(const air_seen_box *box, const air_seen_beam *beam, 
 
 /* ---- the peak ---- */
 
-/* Lobes of a phase function: its own, or itself. */
-typedef struct lobes {
-    air_phase_lobe only;
-    const air_phase_lobe *lobes;
-    size_t count;
-} lobes;
-
-static void find_lobes(air_phase phase, lobes *out)
+void seen_find_lobes(air_phase phase, seen_lobes *out)
 {
     const bool mixture = phase.kind == AIR_PHASE_MIXTURE;
     out->only = (air_phase_lobe){phase.kind, phase.g, 1.0f};
@@ -136,13 +129,8 @@ static void lobe_at(const air_phase_lobe *from, double lobe, double cosine, doub
     *behind += weight * 0.5 * (1.0 - g) * (1.0 + cosine) * 2.0 / (s * (1.0 + g + s));
 }
 
-/* The peak begins at a cosine. */
-typedef struct peak_begin {
-    float cosine, value;
-} peak_begin;
-
 /* Above its value lies `share` of the phase function, which rises ahead. */
-static peak_begin find_cap(const lobes *phase, double lobe, double share)
+static seen_cap find_cap(const seen_lobes *phase, double lobe, double share)
 {
     double low = -1.0, high = 1.0, value = 0.0;
     for (int i = 0; i < 40; i++) {
@@ -156,20 +144,24 @@ static peak_begin find_cap(const lobes *phase, double lobe, double share)
         low = more ? low : cosine;
         high = more ? cosine : high;
     }
-    return (peak_begin){(float)low, (float)value};
+    return (seen_cap){(float)low, (float)value};
 }
 
 float air_seen_cap(air_phase phase, float lobe, double share)
 {
-    lobes found;
-    find_lobes(phase, &found);
+    seen_lobes found;
+    seen_find_lobes(phase, &found);
     return find_cap(&found, (double)lobe, share).value;
 }
 
-/* What is above the cap ahead is shown once on the way, as (1 - exp(-d)) / d of each event, d the
- * optical depth of the peak's events on all of it. */
-static void cap_value(const air_seen_peak *peak, peak_begin begin, const air_seen_beam *beam,
-                      size_t cell, size_t count, const float cosine[RUN], float value[RUN])
+seen_cap seen_cap_of(const seen_lobes *phase, const air_seen_beam *beam, const air_seen_peak *peak)
+{
+    const bool capped = peak != NULL && peak->share > 0.0;
+    return capped ? find_cap(phase, (double)beam->lobe, peak->share) : (seen_cap){-1.0f, INFINITY};
+}
+
+void seen_cap_values(const air_seen_peak *peak, seen_cap begin, const air_seen_beam *beam,
+                     size_t cell, size_t count, const float cosine[RUN], float value[RUN])
 {
     const float cap = begin.value;
     for (size_t n = 0; n < count; n++) {
@@ -188,8 +180,8 @@ static void cap_value(const air_seen_peak *peak, peak_begin begin, const air_see
     }
 }
 
-static void add_beam(const air_seen_beam *beam, const lobes *phase, const air_seen_peak *peak,
-                     peak_begin cap, float dir[3][RUN], float v[3][RUN], size_t count, size_t cell,
+static void add_beam(const air_seen_beam *beam, const seen_lobes *phase, const air_seen_peak *peak,
+                     seen_cap cap, float dir[3][RUN], float v[3][RUN], size_t count, size_t cell,
                      float *out)
 {
     const four power = {beam->power[0], beam->power[1], beam->power[2], 0.0f};
@@ -202,7 +194,7 @@ static void add_beam(const air_seen_beam *beam, const lobes *phase, const air_se
         add_lobe(&phase->lobes[i], beam->lobe, cosine, count, value);
     }
     if (peak != NULL && peak->share > 0.0) {
-        cap_value(peak, cap, beam, cell, count, cosine, value);
+        seen_cap_values(peak, cap, beam, cell, count, cosine, value);
     }
     for (size_t n = 0; n < count; n++) {
         float *const at = out + (cell + n) * CHANNELS;
@@ -211,13 +203,10 @@ static void add_beam(const air_seen_beam *beam, const lobes *phase, const air_se
     }
 }
 
-static void see_beam(const air_seen_box *box, const air_seen_beam *beam, const lobes *phase,
+static void see_beam(const air_seen_box *box, const air_seen_beam *beam, const seen_lobes *phase,
                      const air_seen_peak *peak, size_t begin, size_t end, float *out)
 {
-    peak_begin cap = {0.0f, 0.0f};
-    if (peak != NULL && peak->share > 0.0) {
-        cap = find_cap(phase, (double)beam->lobe, peak->share);
-    }
+    const seen_cap cap = seen_cap_of(phase, beam, peak);
     float v[3][RUN], dir[3][RUN];
     for (size_t k = begin; k < end; k++) {
         for (size_t j = 0; j < box->size[1]; j++) {
@@ -232,12 +221,12 @@ static void see_beam(const air_seen_box *box, const air_seen_beam *beam, const l
     }
 }
 
-void air_seen_beams(const air_seen_box *box, const air_seen_beam *beams, size_t count,
-                    air_phase phase, const air_seen_peak *peak, size_t begin, size_t end,
-                    float *out)
+static void see_beams(const air_seen_box *box, const air_seen_beam *beams, size_t count,
+                      air_phase phase, const air_seen_peak *peak, size_t begin, size_t end,
+                      float *out)
 {
-    lobes found;
-    find_lobes(phase, &found);
+    seen_lobes found;
+    seen_find_lobes(phase, &found);
     for (size_t b = 0; b < count; b++) {
         see_beam(box, &beams[b], &found, peak, begin, end, out);
     }
@@ -278,8 +267,8 @@ static void add_moments(const air_seen_beam *beam, int bands, float dir[3][RUN],
     }
 }
 
-void air_beam_moments(const air_seen_box *box, const air_seen_beam *beams, size_t count, int bands,
-                      size_t begin, size_t end, float *out)
+static void add_beam_moments(const air_seen_box *box, const air_seen_beam *beams, size_t count,
+                             int bands, size_t begin, size_t end, float *out)
 {
     float dir[3][RUN];
     for (size_t k = begin; k < end; k++) {
@@ -294,4 +283,45 @@ void air_beam_moments(const air_seen_box *box, const air_seen_beam *beams, size_
             }
         }
     }
+}
+
+/* ---- versions ---- */
+
+static const seen_kernel plain = {see_moments, see_beams, add_beam_moments};
+
+static const seen_kernel *version_of(const air_context *context)
+{
+    switch (air_context_cpu(context)) {
+#if defined(__x86_64__)
+    case AIR_CPU_AVX512:
+        return &seen_avx512;
+    case AIR_CPU_AVX2:
+        return &seen_avx2;
+    case AIR_CPU_SSE42:
+        return &seen_sse42;
+#endif
+    default:
+        return &plain;
+    }
+}
+
+void air_seen_moments(const air_context *context, const air_seen_box *box, int bands,
+                      const float *moments, const double *factors, size_t begin, size_t end,
+                      float *out)
+{
+    version_of(context)->moments(box, bands, moments, factors, begin, end, out);
+}
+
+void air_seen_beams(const air_context *context, const air_seen_box *box, const air_seen_beam *beams,
+                    size_t count, air_phase phase, const air_seen_peak *peak, size_t begin,
+                    size_t end, float *out)
+{
+    version_of(context)->beams(box, beams, count, phase, peak, begin, end, out);
+}
+
+void air_beam_moments(const air_context *context, const air_seen_box *box,
+                      const air_seen_beam *beams, size_t count, int bands, size_t begin, size_t end,
+                      float *out)
+{
+    version_of(context)->beam_moments(box, beams, count, bands, begin, end, out);
 }

@@ -78,11 +78,11 @@ static void show(const ord_carrying *carrying, const solved *s, bool light)
                                                    : carrying->phase.legendre[l - 1];
         factors[l] = g - peak;
     }
-    air_seen_moments(&carrying->box, s->params.bands, s->moments, factors, 0, d->size[2],
-                     carrying->with->carried);
+    air_seen_moments(carrying->with->context, &carrying->box, s->params.bands, s->moments, factors,
+                     0, d->size[2], carrying->with->carried);
     if (light) {
-        air_seen_moments(&carrying->box, s->params.bands, s->light, factors, 0, d->size[2],
-                         carrying->with->carried);
+        air_seen_moments(carrying->with->context, &carrying->box, s->params.bands, s->light,
+                         factors, 0, d->size[2], carrying->with->carried);
     }
 }
 
@@ -154,7 +154,8 @@ static air_status add_harmonics(const ord_carrying *carrying, solved *s, float *
             ord_source_fluence(d, source, carrying->with->path, carrying->extinction, scratch,
                                fluence);
             const air_seen_beam beam = ord_source_beam(d, source, fluence);
-            air_beam_moments(&carrying->box, &beam, 1, s->params.bands, 0, d->size[2], s->light);
+            air_beam_moments(context, &carrying->box, &beam, 1, s->params.bands, 0, d->size[2],
+                             s->light);
             continue;
         }
         vec3_store64(dir, source->place);

@@ -162,7 +162,8 @@ static void take_slab(void *user, size_t k, size_t worker)
     for (size_t i = 0; self->moments != NULL && i < self->solved; i++) {
         const ord_source *const source = &self->sources.items[self->begin + i];
         if (source->events < self->scatter_most) {
-            air_beam_moments(&self->box, &self->beams[0][i], 1, self->dom.bands, k, k + 1,
+            air_beam_moments(self->with->context, &self->box, &self->beams[0][i], 1,
+                             self->dom.bands, k, k + 1,
                              source->inflow ? self->through : self->moments);
         }
     }
@@ -171,13 +172,13 @@ static void take_slab(void *user, size_t k, size_t worker)
         const air_phase phase = self->with->snapshot->media.media[m].phase;
         if (medium->light != NULL) {
             const air_seen_peak peak = {(double)medium->peak, self->peak_ratio, self->view_depth};
-            air_seen_beams(&self->box, self->beams[0], self->solved, phase, &peak, k, k + 1,
-                           medium->light);
+            air_seen_beams(self->with->context, &self->box, self->beams[0], self->solved, phase,
+                           &peak, k, k + 1, medium->light);
         }
         for (size_t i = 0; medium->first != NULL && i < self->count; i++) {
             if (self->sources.items[self->begin + i].events == 0) {
-                air_seen_beams(&self->box, &self->beams[1][i], 1, phase, NULL, k, k + 1,
-                               medium->first);
+                air_seen_beams(self->with->context, &self->box, &self->beams[1][i], 1, phase, NULL,
+                               k, k + 1, medium->first);
             }
         }
     }
@@ -222,8 +223,8 @@ static void show_slab(void *user, size_t k, size_t worker)
 {
     solving *const self = user;
     (void)worker;
-    air_seen_moments(&self->box, self->dom.bands, self->moments, self->factors, k, k + 1,
-                     self->with->media[self->medium].light);
+    air_seen_moments(self->with->context, &self->box, self->dom.bands, self->moments, self->factors,
+                     k, k + 1, self->with->media[self->medium].light);
 }
 
 /* Unscattered light that came by the faces is shown as beams, with the whole phase function. */
