@@ -9,6 +9,7 @@
 #include "core/host.h"
 #include "core/quadrature.h"
 #include "core/vec.h"
+#include "ordinates/four.h"
 
 void air_dom_params_default(air_dom_params *params)
 {
@@ -379,12 +380,30 @@ static size_t moment_place(const air_dom *dom, size_t i, size_t m)
     return i + ((size_t)dom->order[m] - m) * AIR_DOM_STRIDE;
 }
 
+static bool are_moments_fine(const float *moments, size_t cells, size_t count)
+{
+    const four most = four_all((float)moment_most), none = four_all(0.0f);
+    four_ints fine = ~(four_ints){0};
+    for (size_t cell = 0; cell < cells; cell++) {
+        const float *const at = moments + cell * count * AIR_DOM_STRIDE;
+        fine &= four_load(at) >= none;
+        for (size_t m = 0; m < count; m++) {
+            const four value = four_load(at + m * AIR_DOM_STRIDE);
+            fine &= (value <= most) & (value >= -most);
+        }
+    }
+    return fine[0] != 0 && fine[1] != 0 && fine[2] != 0;
+}
+
 /* Are these cells' moments of a size that can be reckoned with? */
 static air_status check_moments(const air_dom *dom, const float *moments, size_t cells,
                                 const char *what)
 {
     const size_t count = (size_t)dom->moments;
-    for (size_t i = 0; i < cells * count * AIR_DOM_STRIDE; i++) {
+    if (are_moments_fine(moments, cells, count)) {
+        return AIR_OK;
+    }
+    for (size_t i = 0; i < cells * count * AIR_DOM_STRIDE; i++) { /* which is it? */
         const double value = (double)moments[i];
         const size_t c = i % AIR_DOM_STRIDE, m = i / AIR_DOM_STRIDE % count;
         if (c < 3 && !(fabs(value) <= moment_most)) {
@@ -403,15 +422,40 @@ static air_status check_moments(const air_dom *dom, const float *moments, size_t
     return AIR_OK;
 }
 
+/* What is given and where it comes from or goes to: k by k. */
+typedef struct transfer {
+    const air_dom *dom;
+    const float *from;
+    float *to;
+} transfer;
+
+static void take_slab(void *user, size_t k, size_t worker)
+{
+    const transfer *const self = user;
+    const air_dom *const dom = self->dom;
+    const size_t count = (size_t)dom->moments;
+    (void)worker;
+    for (size_t i = k * dom->slab * count; i < (k + 1) * dom->slab * count; i++) {
+        four value = four_load(self->from + moment_place(dom, i * AIR_DOM_STRIDE, i % count));
+        value[3] = 0.0f;
+        for (size_t c = 0; c < AIR_DOM_STRIDE && dom->number != sizeof(float); c++) {
+            dom->light.d[i * AIR_DOM_STRIDE + c] = (double)value[c];
+        }
+        if (dom->number == sizeof(float)) {
+            four_store(dom->light.f + i * AIR_DOM_STRIDE, value);
+        }
+    }
+}
+
 air_status air_dom_set_light(air_dom *dom, const float *moments)
 {
-    const size_t count = dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE;
+    transfer given = {.dom = dom, .from = moments};
     const air_status status =
         moments != NULL ? check_moments(dom, moments, dom->cells, "light") : AIR_OK;
-    for (size_t i = 0; i < count && status == AIR_OK; i++) {
-        const size_t c = i % AIR_DOM_STRIDE, m = i / AIR_DOM_STRIDE % (size_t)dom->moments;
-        dom_put(dom, &dom->light, i,
-                moments == NULL || c == 3 ? 0.0 : (double)moments[moment_place(dom, i, m)]);
+    if (moments == NULL) {
+        memset(dom->light.any, 0, dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE * dom->number);
+    } else if (status == AIR_OK) {
+        air_parallel_for(dom->context, dom->params.size[2], take_slab, &given);
     }
     return status;
 }
@@ -511,12 +555,27 @@ air_status air_dom_set_inflow_directions(air_dom *dom, const float *radiance, ui
 
 /* ---- results ---- */
 
+static void give_slab(void *user, size_t k, size_t worker)
+{
+    const transfer *const self = user;
+    const air_dom *const dom = self->dom;
+    const size_t count = (size_t)dom->moments;
+    (void)worker;
+    for (size_t i = k * dom->slab * count; i < (k + 1) * dom->slab * count; i++) {
+        float *const to = self->to + moment_place(dom, i * AIR_DOM_STRIDE, i % count);
+        for (size_t c = 0; c < AIR_DOM_STRIDE && dom->number != sizeof(float); c++) {
+            to[c] = (float)dom_get(dom, &dom->field, i * AIR_DOM_STRIDE + c);
+        }
+        if (dom->number == sizeof(float)) {
+            four_store(to, four_load(dom->field.f + i * AIR_DOM_STRIDE));
+        }
+    }
+}
+
 void air_dom_moments(const air_dom *dom, float *out)
 {
-    for (size_t i = 0; i < dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE; i++) {
-        const size_t m = i / AIR_DOM_STRIDE % (size_t)dom->moments;
-        out[moment_place(dom, i, m)] = (float)dom_get(dom, &dom->field, i);
-    }
+    transfer wanted = {.dom = dom, .to = out};
+    air_parallel_for(dom->context, dom->params.size[2], give_slab, &wanted);
 }
 
 void air_dom_scattered(const air_dom *dom, float *out)
