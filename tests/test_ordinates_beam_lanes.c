@@ -1,23 +1,10 @@
 /* A beam through a box of cells, by every instruction set of this machine. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "airlight/ordinates_beam.h"
-#include "cmocka_test.h"
 #include "core/random.h"
 #include "core/vec.h"
+#include "ordinates_levels.h"
 
 enum { MOST = 21 * 20 * 23 * 4, ROUNDS = 60 };
-
-static air_context *context_of(air_cpu cpu)
-{
-    air_context_params params;
-    air_context *context;
-    air_context_params_default(&params);
-    params.cpu = cpu;
-    assert_int_equal(air_context_create(&params, &context), AIR_OK);
-    return context;
-}
 
 /* Rows that end within a vector, single cells, and the shape of the interactive frame. */
 static const size_t sizes[][3] = {{1, 1, 1}, {5, 1, 3},  {2, 7, 1},   {20, 20, 20},
@@ -53,8 +40,7 @@ static size_t fill(air_rng *rng, int round, air_beam_box *box, float *extinction
 static void every_instruction_set_does_what_plain_c_does(void **state)
 {
     static float extinction[MOST], plain[MOST], lanes[MOST];
-    air_context *const automatic = context_of(AIR_CPU_AUTO);
-    const int best = (int)air_context_cpu(automatic);
+    levels all = levels_make();
     const size_t largest[3] = {21, 20, 23};
     void *const scratch = malloc(air_beam_scratch(largest));
     air_rng rng = air_rng_from_keys(1, 2);
@@ -66,10 +52,8 @@ static void every_instruction_set_does_what_plain_c_does(void **state)
         float dir[3];
         const size_t count = fill(&rng, round, &box, extinction, dir);
         air_beam_directional(NULL, &box, dir, scratch, plain);
-        for (int cpu = AIR_CPU_C; cpu <= best; cpu++) {
-            air_context *const context = context_of((air_cpu)cpu);
-            air_beam_directional(context, &box, dir, scratch, lanes);
-            air_context_destroy(context);
+        for (int level = 0; level < all.count; level++) {
+            air_beam_directional(all.contexts[level], &box, dir, scratch, lanes);
             for (size_t i = 0; i < count; i++) {
                 const double p = (double)plain[i], difference = fabs((double)lanes[i] - p);
                 assert_true(isfinite(lanes[i]));
@@ -80,14 +64,14 @@ static void every_instruction_set_does_what_plain_c_does(void **state)
     print_message("instruction sets: %.1e\n", worst);
     assert_true(worst < 1e-5);
     free(scratch);
-    air_context_destroy(automatic);
+    levels_finish(&all);
 }
 
 /* Extinctions at which nothing is left, and squares of depths leave floats. */
 static void what_is_opaque_stays_finite(void **state)
 {
     static float extinction[MOST], out[MOST];
-    air_context *const context = context_of(AIR_CPU_AUTO);
+    air_context *const context = levels_context(AIR_CPU_AUTO);
     const air_beam_box box = {{5, 6, 7}, {1.0f, 1.0f, 1.0f}, extinction};
     void *const scratch = malloc(air_beam_scratch(box.size));
     const float dir[3] = {0.6f, 0.0f, 0.8f};

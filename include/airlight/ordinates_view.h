@@ -93,9 +93,9 @@ typedef struct air_volume {
  * bilateral: w exp(-(s(p) - s(q))^2 / (2 r^2)), r a tenth of the largest extinction), or only
  * trilinear. sigma_t: of the voxels, 1 number each or 3 (coloured), borrowed. cell_j: 4 per cell,
  * the fourth the cell's extinction (mean over channels); largest: of all extinctions, > 0. */
-AIR_API void air_volume_fill(const air_volume *volume, const float *sigma_t,
-                             const size_t cell_size[3], const float *cell_j, bool bilateral,
-                             float largest, size_t begin, size_t end);
+AIR_API void air_volume_fill(const air_context *context, const air_volume *volume,
+                             const float *sigma_t, const size_t cell_size[3], const float *cell_j,
+                             bool bilateral, float largest, size_t begin, size_t end);
 
 /* Rays in the box's frame, coordinate by coordinate; dir of any length: t counts in it. */
 typedef struct air_volume_rays {

@@ -133,7 +133,7 @@ static void lobe_at(const air_phase_lobe *from, double lobe, double cosine, doub
 static seen_cap find_cap(const seen_lobes *phase, double lobe, double share)
 {
     double low = -1.0, high = 1.0, value = 0.0;
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < 40 && high - low > 1e-7 * (2.0 - low - high); i++) {
         const double cosine = 0.5 * (low + high);
         double behind = 0.0;
         value = 0.0;

@@ -7,23 +7,6 @@
 
 enum { CHANNELS = 4 };
 
-/* Neighbouring cells of a voxel's centre along one axis. */
-typedef struct neighbours {
-    size_t low, high;
-    float share; /* of high */
-} neighbours;
-
-static neighbours find_neighbours(size_t voxel, size_t voxels, size_t cells)
-{
-    const float at =
-        ((float)(ptrdiff_t)voxel + 0.5f) * (float)(ptrdiff_t)cells / (float)(ptrdiff_t)voxels -
-        0.5f;
-    const float last = (float)(ptrdiff_t)cells - 1.0f;
-    const float held = float_min(float_max(at, 0.0f), last);
-    const size_t low = (size_t)held;
-    return (neighbours){low, low + 1 < cells ? low + 1 : low, held - (float)(ptrdiff_t)low};
-}
-
 /* The weighted mean of eight cells; trilinear where none of them is like the voxel. */
 static four gather_j(const float *const corners[8], const float weights[8], float sigma_t,
                      float inverse_range, bool bilateral)
@@ -59,17 +42,17 @@ static float mean_sigma(const air_volume *volume, const float *sigma_t, size_t v
     return volume->coloured ? (at[0] + at[1] + at[2]) * (1.0f / 3.0f) : sigma_t[voxel];
 }
 
-void air_volume_fill(const air_volume *volume, const float *sigma_t, const size_t cell_size[3],
-                     const float *cell_j, bool bilateral, float largest, size_t begin, size_t end)
+void volume_fill_plain(const air_volume *volume, const float *sigma_t, const size_t cell_size[3],
+                       const float *cell_j, bool bilateral, float largest, size_t begin, size_t end)
 {
     const size_t *const n = volume->size;
     const float inverse_range = 1.0f / (0.1f * largest + 1e-6f);
     for (size_t k = begin; k < end; k++) {
-        const neighbours z = find_neighbours(k, n[2], cell_size[2]);
+        const volume_neighbours z = volume_find_neighbours(k, n[2], cell_size[2]);
         for (size_t j = 0; j < n[1]; j++) {
-            const neighbours y = find_neighbours(j, n[1], cell_size[1]);
+            const volume_neighbours y = volume_find_neighbours(j, n[1], cell_size[1]);
             for (size_t i = 0; i < n[0]; i++) {
-                const neighbours x = find_neighbours(i, n[0], cell_size[0]);
+                const volume_neighbours x = volume_find_neighbours(i, n[0], cell_size[0]);
                 const float *corners[8];
                 float weights[8];
                 for (int c = 0; c < 8; c++) {
@@ -131,26 +114,37 @@ void volume_march_plain(const air_volume *volume, const air_volume_rays *rays, s
     }
 }
 
-static volume_march *version_of(air_cpu cpu)
+typedef struct volume_kernel {
+    volume_fill *fill;
+    volume_march *march;
+} volume_kernel;
+
+static volume_kernel version_of(const air_context *context)
 {
-    switch (cpu) {
+    switch (air_context_cpu(context)) {
 #if defined(__x86_64__)
     case AIR_CPU_AVX512:
-        return volume_march_avx512;
+        return (volume_kernel){volume_fill_avx512, volume_march_avx512};
     case AIR_CPU_AVX2:
-        return volume_march_avx2;
+        return (volume_kernel){volume_fill_avx2, volume_march_avx2};
     case AIR_CPU_SSE42:
-        return volume_march_sse42;
+        return (volume_kernel){volume_fill_sse42, volume_march_sse42};
 #endif
     default:
-        return volume_march_plain;
+        return (volume_kernel){volume_fill_plain, volume_march_plain};
     }
+}
+
+void air_volume_fill(const air_context *context, const air_volume *volume, const float *sigma_t,
+                     const size_t cell_size[3], const float *cell_j, bool bilateral, float largest,
+                     size_t begin, size_t end)
+{
+    version_of(context).fill(volume, sigma_t, cell_size, cell_j, bilateral, largest, begin, end);
 }
 
 void air_volume_march(const air_context *context, const air_volume *volume,
                       const air_volume_rays *rays, size_t count, uint32_t steps,
                       float *const out_radiance[3], float *const out_transmittance[3])
 {
-    version_of(air_context_cpu(context))(volume, rays, 0, count, steps, out_radiance,
-                                         out_transmittance);
+    version_of(context).march(volume, rays, 0, count, steps, out_radiance, out_transmittance);
 }

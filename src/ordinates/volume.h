@@ -1,4 +1,4 @@
-/* volume.h: what the versions of the march share. */
+/* volume.h: what the versions of filling and marching share. */
 #ifndef AIR_ORDINATES_VOLUME_H
 #define AIR_ORDINATES_VOLUME_H
 
@@ -10,6 +10,29 @@ typedef void volume_march(const air_volume *volume, const air_volume_rays *rays,
                           float *const out_transmittance[3]);
 
 volume_march volume_march_plain, volume_march_sse42, volume_march_avx2, volume_march_avx512;
+
+typedef void volume_fill(const air_volume *volume, const float *sigma_t, const size_t cell_size[3],
+                         const float *cell_j, bool bilateral, float largest, size_t begin,
+                         size_t end);
+
+volume_fill volume_fill_plain, volume_fill_sse42, volume_fill_avx2, volume_fill_avx512;
+
+/* Neighbouring cells of a voxel's centre along one axis. */
+typedef struct volume_neighbours {
+    size_t low, high;
+    float share; /* of high */
+} volume_neighbours;
+
+static inline volume_neighbours volume_find_neighbours(size_t voxel, size_t voxels, size_t cells)
+{
+    const float at =
+        ((float)(ptrdiff_t)voxel + 0.5f) * (float)(ptrdiff_t)cells / (float)(ptrdiff_t)voxels -
+        0.5f;
+    const float last = (float)(ptrdiff_t)cells - 1.0f;
+    const float held = float_min(float_max(at, 0.0f), last);
+    const size_t low = (size_t)held;
+    return (volume_neighbours){low, low + 1 < cells ? low + 1 : low, held - (float)(ptrdiff_t)low};
+}
 
 /* Floats per voxel. */
 static inline size_t volume_stride(const air_volume *volume) { return volume->coloured ? 8 : 4; }

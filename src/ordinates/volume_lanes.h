@@ -1,11 +1,18 @@
 /* volume_lanes.h: the march for the instruction set of the including file, which defines
- * VOLUME_MARCH as the function's name. Lanes are rays times the four numbers of a voxel. */
+ * VOLUME_MARCH as the function's name.
+ *
+ * Lanes are rays, but where voxels are mixed: there they are WAYS rays times the four numbers of a
+ * voxel, group by group: ray 4 b + q is block b of group q, so that groups become numbers of all
+ * rays by transposing blocks. Neighbours along x are loaded together. */
 #include "core/lanes_float.h"
 #include "ordinates/volume.h"
 
 typedef int32_t lane_ints __attribute__((vector_size(4 * LANES)));
 
-enum { NUMBERS = 4, WAYS = LANES / NUMBERS /* rays in a vector */ };
+enum { NUMBERS = 4, WAYS = LANES / NUMBERS /* rays in a group */ };
+
+/* Less than this of the light is not followed: it could add that much of the largest J. */
+#define LEAST_THROUGH 1e-4f
 
 /* exp(x) for x in [-87, 0]; see core/exponential.h. */
 static inline lanes march_exp(lanes x)
@@ -22,50 +29,138 @@ static inline lanes march_exp(lanes x)
     return lanes_madd(p, power, power);
 }
 
-/* A voxel of each ray. */
-static inline lanes load_voxels(const float *voxels, const int32_t at[WAYS])
-{
+/* ---- blocks of four numbers ---- */
+
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
-    const __m256 a = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(voxels + at[0])),
-                                          _mm_loadu_ps(voxels + at[1]), 1);
-    const __m256 b = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(voxels + at[2])),
-                                          _mm_loadu_ps(voxels + at[3]), 1);
+
+enum { PAIRED = 1 };
+
+static inline lanes load_group(const float *voxels, const int32_t *base)
+{
+    const __m256 a = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(voxels + base[0])),
+                                          _mm_loadu_ps(voxels + base[4]), 1);
+    const __m256 b = _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(voxels + base[8])),
+                                          _mm_loadu_ps(voxels + base[12]), 1);
     return _mm512_insertf32x8(_mm512_castps256_ps512(a), b, 1);
-#elif defined(__AVX2__) && defined(__FMA__)
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(voxels + at[0])),
-                                _mm_loadu_ps(voxels + at[1]), 1);
-#else
-    return _mm_loadu_ps(voxels + at[0]);
-#endif
 }
 
-/* The fourth number of each voxel to all four. */
-static inline lanes repeat_fourth(lanes a)
+/* Two neighbours along x, of half of a group. */
+static inline lanes load_pairs(const float *voxels, const int32_t *base)
 {
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
-    return _mm512_permute_ps(a, 0xff);
-#elif defined(__AVX2__) && defined(__FMA__)
-    return _mm256_permute_ps(a, 0xff);
-#else
-    return _mm_shuffle_ps(a, a, 0xff);
-#endif
+    return _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_loadu_ps(voxels + base[0])),
+                              _mm256_loadu_ps(voxels + base[4]), 1);
 }
 
-/* Rays under way. Everything is repeated for the four numbers of a ray. */
+/* Rays' numbers, to the blocks of group q, and to the halves of its pairs. */
+static inline lanes spread_group(lanes rays, int q)
+{
+    const __m512i at = _mm512_setr_epi32(0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12);
+    return _mm512_permutexvar_ps(_mm512_add_epi32(at, _mm512_set1_epi32(q)), rays);
+}
+
+static inline lanes spread_half(lanes rays, int q, int half)
+{
+    const __m512i at = _mm512_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0, 4, 4, 4, 4, 4, 4, 4, 4);
+    return _mm512_permutexvar_ps(_mm512_add_epi32(at, _mm512_set1_epi32(q + 8 * half)), rays);
+}
+
+/* Of pairs: all that are low, all that are high. */
+static inline lanes low_of_pairs(lanes a, lanes b) { return _mm512_shuffle_f32x4(a, b, 0x88); }
+static inline lanes high_of_pairs(lanes a, lanes b) { return _mm512_shuffle_f32x4(a, b, 0xdd); }
+
+static inline lanes unpack_low(lanes a, lanes b) { return _mm512_unpacklo_ps(a, b); }
+static inline lanes unpack_high(lanes a, lanes b) { return _mm512_unpackhi_ps(a, b); }
+static inline lanes unpack_low2(lanes a, lanes b)
+{
+    return _mm512_castpd_ps(_mm512_unpacklo_pd(_mm512_castps_pd(a), _mm512_castps_pd(b)));
+}
+static inline lanes unpack_high2(lanes a, lanes b)
+{
+    return _mm512_castpd_ps(_mm512_unpackhi_pd(_mm512_castps_pd(a), _mm512_castps_pd(b)));
+}
+
+#elif defined(__AVX2__) && defined(__FMA__)
+
+enum { PAIRED = 1 };
+
+static inline lanes load_group(const float *voxels, const int32_t *base)
+{
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(voxels + base[0])),
+                                _mm_loadu_ps(voxels + base[4]), 1);
+}
+
+static inline lanes load_pairs(const float *voxels, const int32_t *base)
+{
+    return _mm256_loadu_ps(voxels + base[0]);
+}
+
+static inline lanes spread_group(lanes rays, int q)
+{
+    const __m256i at = _mm256_setr_epi32(0, 0, 0, 0, 4, 4, 4, 4);
+    return _mm256_permutevar8x32_ps(rays, _mm256_add_epi32(at, _mm256_set1_epi32(q)));
+}
+
+static inline lanes spread_half(lanes rays, int q, int half)
+{
+    return _mm256_permutevar8x32_ps(rays, _mm256_set1_epi32(q + 4 * half));
+}
+
+static inline lanes low_of_pairs(lanes a, lanes b) { return _mm256_permute2f128_ps(a, b, 0x20); }
+static inline lanes high_of_pairs(lanes a, lanes b) { return _mm256_permute2f128_ps(a, b, 0x31); }
+
+static inline lanes unpack_low(lanes a, lanes b) { return _mm256_unpacklo_ps(a, b); }
+static inline lanes unpack_high(lanes a, lanes b) { return _mm256_unpackhi_ps(a, b); }
+static inline lanes unpack_low2(lanes a, lanes b)
+{
+    return _mm256_castpd_ps(_mm256_unpacklo_pd(_mm256_castps_pd(a), _mm256_castps_pd(b)));
+}
+static inline lanes unpack_high2(lanes a, lanes b)
+{
+    return _mm256_castpd_ps(_mm256_unpackhi_pd(_mm256_castps_pd(a), _mm256_castps_pd(b)));
+}
+
+#else
+
+enum { PAIRED = 0 }; /* a vector holds one voxel */
+
+static inline lanes load_group(const float *voxels, const int32_t *base)
+{
+    return _mm_loadu_ps(voxels + base[0]);
+}
+
+static inline lanes load_pairs(const float *voxels, const int32_t *base)
+{
+    return load_group(voxels, base);
+}
+
+static inline lanes spread_group(lanes rays, int q) { return lanes_all(rays[q]); }
+static inline lanes spread_half(lanes rays, int q, int half) { return lanes_all(rays[q + half]); }
+static inline lanes low_of_pairs(lanes a, lanes b) { return _mm_movelh_ps(a, b); }
+static inline lanes high_of_pairs(lanes a, lanes b) { return _mm_movehl_ps(b, a); }
+static inline lanes unpack_low(lanes a, lanes b) { return _mm_unpacklo_ps(a, b); }
+static inline lanes unpack_high(lanes a, lanes b) { return _mm_unpackhi_ps(a, b); }
+static inline lanes unpack_low2(lanes a, lanes b) { return _mm_movelh_ps(a, b); }
+static inline lanes unpack_high2(lanes a, lanes b) { return _mm_movehl_ps(b, a); }
+
+#endif
+
+/* ---- places ---- */
+
+/* Rays under way. */
 typedef struct march {
     const air_volume *volume;
     lanes start[3], step[3]; /* in voxels, from centres */
     lanes last[3], low[3];   /* the last voxel, and the last that has one behind it */
     int32_t stride[3];       /* numbers between neighbours, 0 where there is one voxel */
     lanes metres;            /* of a step */
+    bool any;                /* has any ray a way to go? */
 } march;
 
 static inline lanes each_ray(const float *values, size_t ray, size_t end)
 {
     float out[LANES];
     for (size_t n = 0; n < LANES; n++) {
-        const size_t at = ray + n / NUMBERS;
-        out[n] = values[at < end ? at : end - 1];
+        out[n] = values[ray + n < end ? ray + n : end - 1];
     }
     return lanes_load(out);
 }
@@ -73,13 +168,13 @@ static inline lanes each_ray(const float *values, size_t ray, size_t end)
 static march march_make(const air_volume *volume, const air_volume_rays *rays, size_t ray,
                         size_t end, uint32_t steps)
 {
-    const int32_t numbers = (int32_t)volume_stride(volume);
     march m = {.volume = volume};
     const lanes t0 = each_ray(rays->t0, ray, end), t1 = each_ray(rays->t1, ray, end);
     const lanes none = lanes_all(0.0f);
     const lanes length = lanes_max(t1 - t0, none) * lanes_all(1.0f / (float)steps);
     const lanes first = lanes_madd(each_ray(rays->jitter, ray, end), length, t0);
     lanes square = none;
+    int32_t stride = (int32_t)volume_stride(volume);
     for (int axis = 0; axis < 3; axis++) {
         const lanes dir = each_ray(rays->dir[axis], ray, end);
         const lanes origin = each_ray(rays->origin[axis], ray, end);
@@ -89,87 +184,180 @@ static march march_make(const air_volume *volume, const air_volume_rays *rays, s
         m.step[axis] = length * dir * inverse;
         m.last[axis] = lanes_all((float)(int32_t)volume->size[axis] - 1.0f);
         m.low[axis] = lanes_max(m.last[axis] - lanes_all(1.0f), none);
-    }
-    m.metres = length * lanes_root(lanes_max(square, lanes_all(1e-30f)));
-    int32_t stride = numbers;
-    for (int axis = 0; axis < 3; axis++) {
         m.stride[axis] = volume->size[axis] > 1 ? stride : 0;
         stride *= (int32_t)volume->size[axis];
     }
+    m.metres = length * lanes_root(lanes_max(square, lanes_all(1e-30f)));
+    m.any = mask_any(lanes_less(none, length));
     return m;
 }
 
 /* Where points lie: the corner below, as a number of the voxels, and the shares of those above. */
 typedef struct corner {
-    int32_t base[WAYS];
+    int32_t base[LANES];
     lanes share[3];
 } corner;
 
-static inline corner find_corner(const march *m, lanes at)
+static inline void find_corner(const march *m, lanes at, corner *out)
 {
     lane_ints base = {0};
-    corner out;
     for (int axis = 0; axis < 3; axis++) {
         const lanes position = lanes_madd(at, m->step[axis], m->start[axis]);
         const lanes held = lanes_min(lanes_max(position, lanes_all(0.0f)), m->last[axis]);
         const lane_ints low = __builtin_convertvector(lanes_min(held, m->low[axis]), lane_ints);
-        out.share[axis] = held - __builtin_convertvector(low, lanes);
+        out->share[axis] = held - __builtin_convertvector(low, lanes);
         base += low * m->stride[axis];
     }
-    for (int way = 0; way < WAYS; way++) {
-        out.base[way] = base[way * NUMBERS];
-    }
-    return out;
+    memcpy(out->base, &base, sizeof base);
+    __asm__("" : "+m"(out->base)); /* to be read from there: taking lanes out costs more */
 }
+
+/* ---- voxels ---- */
 
 static inline lanes mix(lanes a, lanes b, lanes share) { return lanes_madd(b - a, share, a); }
 
-static inline lanes sample(const march *m, const float *voxels, const corner *c)
+/* Half of a group, neighbours along x side by side, mixed along y and z. */
+static inline lanes mix_pairs(const march *m, const float *voxels, const corner *c, int q, int half)
 {
+    const int32_t *const base = c->base + q + half * (LANES / 2);
+    const lanes y = spread_half(c->share[1], q, half), z = spread_half(c->share[2], q, half);
+    const float *const far = voxels + m->stride[2];
+    const lanes a = mix(load_pairs(voxels, base), load_pairs(voxels + m->stride[1], base), y);
+    const lanes b = mix(load_pairs(far, base), load_pairs(far + m->stride[1], base), y);
+    return mix(a, b, z);
+}
+
+static inline lanes sample_pairs(const march *m, const float *voxels, const corner *c, int q)
+{
+    const lanes a = mix_pairs(m, voxels, c, q, 0), b = mix_pairs(m, voxels, c, q, 1);
+    return mix(low_of_pairs(a, b), high_of_pairs(a, b), spread_group(c->share[0], q));
+}
+
+static inline lanes sample_group(const march *m, const float *voxels, const corner *c, int q)
+{
+    const int32_t *const base = c->base + q;
+    const lanes x = spread_group(c->share[0], q), y = spread_group(c->share[1], q);
     lanes plane[2];
     for (int z = 0; z < 2; z++) {
         const float *const low = voxels + z * m->stride[2], *const high = low + m->stride[1];
-        const lanes a =
-            mix(load_voxels(low, c->base), load_voxels(low + m->stride[0], c->base), c->share[0]);
-        const lanes b =
-            mix(load_voxels(high, c->base), load_voxels(high + m->stride[0], c->base), c->share[0]);
-        plane[z] = mix(a, b, c->share[1]);
+        const lanes a = mix(load_group(low, base), load_group(low + m->stride[0], base), x);
+        const lanes b = mix(load_group(high, base), load_group(high + m->stride[0], base), x);
+        plane[z] = mix(a, b, y);
     }
-    return mix(plane[0], plane[1], c->share[2]);
+    return mix(plane[0], plane[1], spread_group(c->share[2], q));
 }
 
-static void march_rays(const march *m, uint32_t steps, lanes *out_radiance, lanes *out_through)
+/* Four numbers of all rays. */
+static inline void transpose(lanes first, lanes second, lanes third, lanes fourth,
+                             lanes out[NUMBERS])
 {
-    const lanes zero = lanes_all(0.0f), one = lanes_all(1.0f), most = lanes_all(87.0f);
-    lanes radiance = zero, through = one, at = zero;
-    for (uint32_t step = 0; step < steps; step++, at = at + one) {
-        const corner c = find_corner(m, at);
-        const lanes j = sample(m, m->volume->voxels, &c);
-        const lanes sigma_t =
-            m->volume->coloured ? sample(m, m->volume->voxels + NUMBERS, &c) : repeat_fourth(j);
-        const lanes left = march_exp(zero - lanes_min(sigma_t * m->metres, most));
-        radiance = lanes_madd(through * (one - left), j, radiance);
-        through = through * left;
-        if (!mask_any(lanes_less(lanes_all(1e-5f), through))) {
+    const lanes a = unpack_low(first, second), b = unpack_high(first, second);
+    const lanes c = unpack_low(third, fourth), d = unpack_high(third, fourth);
+    out[0] = unpack_low2(a, c);
+    out[1] = unpack_high2(a, c);
+    out[2] = unpack_low2(b, d);
+    out[3] = unpack_high2(b, d);
+}
+
+static inline void sample(const march *m, const float *voxels, const corner *c, bool paired,
+                          lanes out[NUMBERS])
+{
+    if (paired) { /* written out: all of it stays in registers */
+        transpose(sample_pairs(m, voxels, c, 0), sample_pairs(m, voxels, c, 1),
+                  sample_pairs(m, voxels, c, 2), sample_pairs(m, voxels, c, 3), out);
+    } else {
+        transpose(sample_group(m, voxels, c, 0), sample_group(m, voxels, c, 1),
+                  sample_group(m, voxels, c, 2), sample_group(m, voxels, c, 3), out);
+    }
+}
+
+/* ---- the way ---- */
+
+typedef struct carried {
+    lanes radiance[3], through[3]; /* of one colour: only the first of the latter */
+} carried;
+
+static inline lanes left_of(const march *m, lanes sigma_t)
+{
+    return march_exp(lanes_all(0.0f) - lanes_min(sigma_t * m->metres, lanes_all(87.0f)));
+}
+
+static inline void march_grey(const march *m, uint32_t steps, bool paired, carried *out)
+{
+    const lanes one = lanes_all(1.0f);
+    carried light = *out; /* in registers */
+    lanes at = lanes_all(0.0f);
+    corner c[2];
+    find_corner(m, at, &c[0]);
+    for (uint32_t step = 0; step < steps; step++) {
+        lanes voxel[NUMBERS];
+        at = at + one;
+        find_corner(m, at, &c[(step + 1) % 2]); /* ahead: its places take long to find */
+        sample(m, m->volume->voxels, &c[step % 2], paired, voxel);
+        const lanes left = left_of(m, voxel[3]), gain = light.through[0] * (one - left);
+        for (int i = 0; i < 3; i++) {
+            light.radiance[i] = lanes_madd(gain, voxel[i], light.radiance[i]);
+        }
+        light.through[0] = light.through[0] * left;
+        if (!mask_any(lanes_less(lanes_all(LEAST_THROUGH), light.through[0]))) {
             break;
         }
     }
-    *out_radiance = radiance;
-    *out_through = through;
+    *out = light;
+    out->through[1] = out->through[2] = light.through[0];
+}
+
+static void march_coloured(const march *m, uint32_t steps, carried *light)
+{
+    const lanes one = lanes_all(1.0f);
+    lanes at = lanes_all(0.0f);
+    for (uint32_t step = 0; step < steps; step++, at = at + one) {
+        corner c;
+        lanes j[NUMBERS], sigma_t[NUMBERS], most = lanes_all(0.0f);
+        find_corner(m, at, &c);
+        sample(m, m->volume->voxels, &c, false, j);
+        sample(m, m->volume->voxels + NUMBERS, &c, false, sigma_t);
+        for (int i = 0; i < 3; i++) {
+            const lanes left = left_of(m, sigma_t[i]), through = light->through[i];
+            light->radiance[i] = lanes_madd(through * (one - left), j[i], light->radiance[i]);
+            light->through[i] = through * left;
+            most = lanes_max(most, light->through[i]);
+        }
+        if (!mask_any(lanes_less(lanes_all(LEAST_THROUGH), most))) {
+            break;
+        }
+    }
+}
+
+static void march_rays(const march *m, uint32_t steps, carried *out)
+{
+    for (int i = 0; i < 3; i++) {
+        out->radiance[i] = lanes_all(0.0f);
+        out->through[i] = lanes_all(1.0f);
+    }
+    if (!m->any) {
+        return;
+    }
+    if (m->volume->coloured) {
+        march_coloured(m, steps, out);
+    } else if (PAIRED && m->volume->size[0] > 1) {
+        march_grey(m, steps, true, out);
+    } else {
+        march_grey(m, steps, false, out);
+    }
 }
 
 void VOLUME_MARCH(const air_volume *volume, const air_volume_rays *rays, size_t begin, size_t end,
                   uint32_t steps, float *const out_radiance[3], float *const out_transmittance[3])
 {
-    for (size_t ray = begin; ray < end; ray += WAYS) {
+    for (size_t ray = begin; ray < end; ray += LANES) {
         const march m = march_make(volume, rays, ray, end, steps);
-        lanes radiance, through;
-        march_rays(&m, steps, &radiance, &through);
-        for (size_t way = 0; way < WAYS && ray + way < end; way++) {
-            for (size_t c = 0; c < 3; c++) {
-                out_radiance[c][ray + way] = radiance[way * NUMBERS + c];
-                out_transmittance[c][ray + way] = through[way * NUMBERS + c];
-            }
+        const size_t count = end - ray < LANES ? end - ray : LANES;
+        carried light;
+        march_rays(&m, steps, &light);
+        for (int c = 0; c < 3; c++) {
+            memcpy(out_radiance[c] + ray, &light.radiance[c], count * sizeof(float));
+            memcpy(out_transmittance[c] + ray, &light.through[c], count * sizeof(float));
         }
     }
 }
