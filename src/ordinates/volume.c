@@ -114,14 +114,21 @@ void volume_march_plain(const air_volume *volume, const air_volume_rays *rays, s
     }
 }
 
+/* Lanes count a volume's numbers in 32 bits: up to 512 x 512 x 512 voxels with colours. */
+static bool fits_lanes(const air_volume *volume)
+{
+    const size_t most = INT32_MAX / volume_stride(volume);
+    return volume->size[0] <= most / volume->size[1] / volume->size[2];
+}
+
 typedef struct volume_kernel {
     volume_fill *fill;
     volume_march *march;
 } volume_kernel;
 
-static volume_kernel version_of(const air_context *context)
+static volume_kernel version_of(air_cpu cpu)
 {
-    switch (air_context_cpu(context)) {
+    switch (cpu) {
 #if defined(__x86_64__)
     case AIR_CPU_AVX512:
         return (volume_kernel){volume_fill_avx512, volume_march_avx512};
@@ -139,12 +146,14 @@ void air_volume_fill(const air_context *context, const air_volume *volume, const
                      const size_t cell_size[3], const float *cell_j, bool bilateral, float largest,
                      size_t begin, size_t end)
 {
-    version_of(context).fill(volume, sigma_t, cell_size, cell_j, bilateral, largest, begin, end);
+    version_of(air_context_cpu(context))
+        .fill(volume, sigma_t, cell_size, cell_j, bilateral, largest, begin, end);
 }
 
 void air_volume_march(const air_context *context, const air_volume *volume,
                       const air_volume_rays *rays, size_t count, uint32_t steps,
                       float *const out_radiance[3], float *const out_transmittance[3])
 {
-    version_of(context).march(volume, rays, 0, count, steps, out_radiance, out_transmittance);
+    const air_cpu cpu = fits_lanes(volume) ? air_context_cpu(context) : AIR_CPU_C;
+    version_of(cpu).march(volume, rays, 0, count, steps, out_radiance, out_transmittance);
 }
