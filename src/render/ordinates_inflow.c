@@ -5,7 +5,7 @@
 #include "core/host.h"
 #include "render/ordinates_sources.h"
 
-enum { CHANNELS = 4, ROUNDS = 16 };
+enum { CHANNELS = 4, ROUNDS = 32 };
 
 /* Parts of the sky brighter than so many times its mean stay beams: their direction shows. */
 #define BRIGHT 32.0f
@@ -57,30 +57,43 @@ static void share_by_distance(const ord_source_list *sources, sharing *self)
     }
 }
 
-/* Rows and columns in turn [Sinkhorn1967], so that an even sky is even radiance; rows last, so that
- * no light is lost. */
+static void scale_rows(sharing *self)
+{
+    for (size_t p = 0; p < self->parts; p++) {
+        double *const row = self->share + p * self->directions, sum = 0.0;
+        for (size_t o = 0; o < self->directions; o++) {
+            sum += row[o];
+        }
+        for (size_t o = 0; o < self->directions && sum > 0.0; o++) {
+            row[o] /= sum;
+        }
+    }
+}
+
+/* Columns and rows in turn [Sinkhorn1967], so that an even sky is even radiance; rows last, so that
+ * no light is lost. Directions that have too little are left so: where the sky is black or its
+ * parts are beams nothing comes from. */
 static void balance(sharing *self)
 {
+    double angle = 0.0;
+    for (size_t p = 0; p < self->parts; p++) {
+        angle += self->angle[p];
+    }
+    const double skies = fmax(1.0, angle / (4.0 * AIR_PI));
+    scale_rows(self);
     for (int round = 0; round < ROUNDS; round++) {
         for (size_t o = 0; o < self->directions; o++) {
             double sum = 0.0;
             for (size_t p = 0; p < self->parts; p++) {
                 sum += self->angle[p] * self->share[p * self->directions + o];
             }
-            const double scale = sum > 0.0 ? self->solid_angle[o] / sum : 0.0;
+            const double most = skies * self->solid_angle[o];
+            const double scale = sum > most ? most / sum : 1.0;
             for (size_t p = 0; p < self->parts; p++) {
                 self->share[p * self->directions + o] *= scale;
             }
         }
-        for (size_t p = 0; p < self->parts; p++) {
-            double *const row = self->share + p * self->directions, sum = 0.0;
-            for (size_t o = 0; o < self->directions; o++) {
-                sum += row[o];
-            }
-            for (size_t o = 0; o < self->directions && sum > 0.0; o++) {
-                row[o] /= sum;
-            }
-        }
+        scale_rows(self);
     }
 }
 
