@@ -61,7 +61,7 @@ static void input_without_sense_is_refused_and_nothing_written(void **state)
         {{"--with", "flat.json"}, 1, "flat.json: $.media[0].boundary"},
         {{"--medium", "grid=good.vol,sigma_s=1", "--cells", "256", "--bands", "10"},
          1,
-         "cells with 10 bands need 4"},
+         "cells with 10 bands need 5"},
         {{"--cells", "1"}, 2, "--cells: expected a whole number from 2 to 256, got \"1\""},
         {{"--directions", "0"}, 2, "--directions: expected a whole number from 1 to 4096"},
         {{"--patches", "5000"}, 2, "--patches: expected a whole number from 1 to 4096"},

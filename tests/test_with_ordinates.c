@@ -295,7 +295,7 @@ static void a_grid_beyond_the_memory_is_refused_before_it_is_made(void **state)
     assert_int_equal(air_render(context, snapshot, &params, &film), AIR_ERROR_MEMORY);
     assert_null(film);
     assert_non_null(strstr(air_context_last_error(context),
-                           "ordinates: 256 x 256 x 256 cells with 10 bands need 4"));
+                           "ordinates: 256 x 256 x 256 cells with 10 bands need 5"));
     air_snapshot_release(snapshot);
     air_context_destroy(context);
 }

@@ -18,7 +18,8 @@ static double block_bytes(const air_with_ordinates *with)
     return 2.0 * cells * four + ORD_BLOCK * (kinds * cells * four + scratch);
 }
 
-/* Of scattered light: its moments here and in the solver. */
+/* Of scattered light: its moments here, those of the sky that enters by the faces (it may), and in
+ * the solver. */
 static double solver_bytes(const air_with_ordinates *with)
 {
     const ord_domain *const d = &with->domain;
@@ -35,14 +36,14 @@ static double solver_bytes(const air_with_ordinates *with)
         dom.size[axis] = d->size[axis];
         dom.cell_m[axis] = d->cell_m;
     }
-    return (double)d->cells * bands * bands * CHANNELS * sizeof(float) +
+    return 2.0 * (double)d->cells * bands * bands * CHANNELS * sizeof(float) +
            (double)air_dom_bytes(&dom, solve.depth);
 }
 
 double ord_memory(const air_with_ordinates *with, bool deep)
 {
     const double cells = (double)with->domain.cells;
-    const double planes = 3.0 * 3.0 + 1.0; /* coefficients, and the mean extinction */
+    const double planes = 3.0 * 3.0 + 2.0; /* coefficients, mean extinction, depth to the camera */
     const double kinds = (double)with->all + (double)with->single;
     const double media = (double)with->snapshot->media.count * kinds * CHANNELS;
     return cells * (planes + media) * sizeof(float) + block_bytes(with) +
