@@ -193,6 +193,27 @@ static void media_that_only_glow_or_are_nothing_have_no_cells(void **state)
     air_context_destroy(context);
 }
 
+/* A second medium of 1.5 cells, and one of 2.5. */
+static void media_thinner_than_two_cells_are_told(void **state)
+{
+    (void)state;
+    messages m;
+    const float low[3] = {0, 0, 0}, high[3] = {1, 1, 1}, top[3] = {1, 0.15f, 1};
+    air_medium_desc media[2] = {box_medium("air", 1.0f, 0.0f, 0.0f, low, high),
+                                box_medium("sheet", 4.0f, 0.0f, 0.0f, low, top)};
+    air_context *context = make_context(1, &m);
+    for (int n = 0; n < 2; n++) {
+        air_snapshot *snapshot = commit(context, media, 2);
+        ord_domain domain = make_domain(snapshot, 10);
+        assert_int_equal(m.warnings, 1);
+        assert_non_null(strstr(m.last_warning, "medium \"sheet\" is 0.15 m thick"));
+        ord_domain_finish(&domain);
+        air_snapshot_release(snapshot);
+        media[1].boundary.box_to_world[5] = 0.125f;
+    }
+    air_context_destroy(context);
+}
+
 /* ---- grids ---- */
 
 /* A medium whose grid fills the unit cube; density is 0 outside voxels [low, high). */
@@ -361,6 +382,7 @@ int main(void)
         cmocka_unit_test(cells_that_borders_cut_hold_their_share),
         cmocka_unit_test(media_that_overlap_add_up_or_replace),
         cmocka_unit_test(media_that_only_glow_or_are_nothing_have_no_cells),
+        cmocka_unit_test(media_thinner_than_two_cells_are_told),
         cmocka_unit_test(cells_of_a_grid_hold_its_mean),
         cmocka_unit_test(the_box_leaves_empty_margins_out),
         cmocka_unit_test(the_box_rests_while_smoke_moves_within_its_lattice),

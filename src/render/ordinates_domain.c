@@ -131,6 +131,24 @@ static air_status place(ord_domain *domain, uint32_t cells)
     return AIR_OK;
 }
 
+/* Cells are cubes: what is thinner than some of them is spread over all of their thickness. */
+static void warn_of_thin_media(const ord_domain *domain)
+{
+    for (size_t i = 0; i < domain->media->count; i++) {
+        const air_medium *const medium = &domain->media->media[i];
+        float least = INFINITY;
+        for (int axis = 0; axis < 3; axis++) {
+            least = float_min(least, medium->bounds_max[axis] - medium->bounds_min[axis]);
+        }
+        if (!vec3_is_zero(medium->sigma_s) && least < 2.0f * domain->cell_m) {
+            air_warn(domain->context,
+                     "ordinates: medium \"%s\" is %.3g m thick, less than two cells of %.3g m: "
+                     "its light will be wrong, expected more cells or method path",
+                     medium->name, (double)least, (double)domain->cell_m);
+        }
+    }
+}
+
 /* ---- coefficients ---- */
 
 typedef struct look {
@@ -229,6 +247,7 @@ air_status ord_domain_fill(ord_domain *out)
         ord_domain_finish(out);
         return air_fail_memory(context, "ordinates: cells");
     }
+    warn_of_thin_media(out);
     air_parallel_for(context, out->size[2], look_into_slab, out);
     return AIR_OK;
 }
