@@ -28,15 +28,21 @@ static float scattered_share(const ord_glow *glow, size_t cell, size_t channel, 
     return d->sigma_s[i] * (float)mean - peak;
 }
 
-/* The sum over channels, of a cubic metre, over sqrt(4 pi). */
-static double cell_power(const ord_glow *glow, size_t cell)
+/* Of a cubic metre, of three channels. */
+static void cell_powers(const ord_glow *glow, size_t cell, double out[3])
 {
     const float *const at = glow->moments + cell * (size_t)(glow->bands * glow->bands) * CHANNELS;
-    double sum = 0.0;
     for (size_t c = 0; c < 3; c++) {
-        sum += (double)(float_max(at[c], 0.0f) * scattered_share(glow, cell, c, 0));
+        out[c] = (double)(float_max(at[c], 0.0f) * scattered_share(glow, cell, c, 0)) *
+                 sqrt(4.0 * AIR_PI);
     }
-    return sum;
+}
+
+static double cell_power(const ord_glow *glow, size_t cell)
+{
+    double powers[3];
+    cell_powers(glow, cell, powers);
+    return powers[0] + powers[1] + powers[2];
 }
 
 /* Power per volume and solid angle that a cell scatters along a direction. */
@@ -124,4 +130,34 @@ air_status ord_photons_glow(const ord_glow *glow, ord_photons *out)
     }
     air_free(context, sums);
     return status;
+}
+
+void ord_glow_power(const ord_glow *glow, double out[3])
+{
+    const ord_domain *const d = glow->space->domain;
+    const double volume = (double)d->cell_m * (double)d->cell_m * (double)d->cell_m;
+    out[0] = out[1] = out[2] = 0.0;
+    for (size_t i = 0; i < d->cells; i++) {
+        double powers[3];
+        cell_powers(glow, i, powers);
+        for (int c = 0; c < 3; c++) {
+            out[c] += powers[c] * volume;
+        }
+    }
+}
+
+void ord_glow_factors(const double first[3], const double both[3], float out[3])
+{
+    for (int c = 0; c < 3; c++) {
+        const double ratio = first[c] > 0.0 ? both[c] / first[c] - 1.0 : 0.0;
+        out[c] = (float)(1.0 / (1.0 - fmin(fmax(ratio, 0.0), 0.9)));
+    }
+}
+
+void ord_glow_extend(const float *before, const float factors[3], size_t fours, float *after)
+{
+    for (size_t i = 0; i < fours * CHANNELS; i++) {
+        const size_t c = i % CHANNELS;
+        after[i] = c < 3 ? before[i] + factors[c] * (after[i] - before[i]) : after[i];
+    }
 }

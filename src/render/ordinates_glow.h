@@ -16,4 +16,14 @@ typedef struct ord_glow {
 /* Shoots photons and follows them as ord_photons_shoot does, without end. */
 air_status ord_photons_glow(const ord_glow *glow, ord_photons *out);
 
+/* What all cells scatter, of three channels, W. */
+void ord_glow_power(const ord_glow *glow, double out[3]);
+
+/* Surfaces light the media, these the surfaces, and so on, each time less: from what one time
+ * added to the first's power, the factors on what it added that stand for all times. */
+void ord_glow_factors(const double first[3], const double both[3], float out[3]);
+
+/* after becomes before + factors (after - before): numbers in fours. */
+void ord_glow_extend(const float *before, const float factors[3], size_t fours, float *after);
+
 #endif

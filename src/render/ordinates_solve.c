@@ -251,34 +251,106 @@ static void show_scattered(solving *self)
     }
 }
 
-/* Surfaces send back light that the media scattered to them, too: it is taken from a first
- * solution. */
-static air_status add_glow(solving *self, const air_dom *dom)
+static air_status solve(const solving *self, const air_dom_solve_params *params, air_dom *dom)
+{
+    const air_status status = air_dom_set_light(dom, self->moments);
+    return status == AIR_OK ? air_dom_solve(dom, params, NULL) : status;
+}
+
+/* What there was before surfaces sent back light that media had scattered to them. */
+typedef struct earlier {
+    float *moments; /* of scattered light */
+    float *all;     /* of all light; then as it is now */
+    float **shown;  /* by medium */
+    double power[3];
+    size_t fours;
+} earlier;
+
+static void free_earlier(const solving *self, earlier *e)
 {
     air_context *const context = self->with->context;
-    const size_t count =
-        self->domain->cells * (size_t)(self->dom.bands * self->dom.bands) * CHANNELS;
+    for (size_t m = 0; e->shown != NULL && m < self->with->medium_count; m++) {
+        air_free(context, e->shown[m]);
+    }
+    air_free(context, e->shown);
+    air_free(context, e->moments);
+    air_free(context, e->all);
+}
+
+static air_status keep_earlier(const solving *self, const air_dom *dom, earlier *e)
+{
+    air_context *const context = self->with->context;
+    const size_t bytes = self->domain->cells * CHANNELS * sizeof(float);
+    e->fours = self->domain->cells * (size_t)(self->dom.bands * self->dom.bands);
+    e->moments = air_allocate(context, e->fours * CHANNELS, sizeof(float));
+    e->all = air_allocate(context, e->fours * CHANNELS, sizeof(float));
+    e->shown = air_allocate(context, self->with->medium_count, sizeof *e->shown);
+    bool made = e->moments != NULL && e->all != NULL && e->shown != NULL;
+    for (size_t m = 0; made && m < self->with->medium_count; m++) {
+        if (self->with->media[m].light != NULL) {
+            e->shown[m] = air_allocate(context, bytes, 1);
+            made = e->shown[m] != NULL;
+        }
+        if (made && e->shown[m] != NULL) {
+            memcpy(e->shown[m], self->with->media[m].light, bytes);
+        }
+    }
+    if (!made) {
+        return air_fail_memory(context, "ordinates: light of surfaces");
+    }
+    air_dom_moments(dom, e->moments);
+    return AIR_OK;
+}
+
+static ord_glow glow_of(const solving *self, const ord_space *space, const air_dom *dom, earlier *e)
+{
+    air_dom_moments(dom, e->all);
+    for (size_t i = 0; i < e->fours * CHANNELS; i++) {
+        e->all[i] += self->moments[i];
+    }
+    return (ord_glow){space, self->extinction[1], &self->phase, self->dom.bands, e->all};
+}
+
+/* Surfaces send back light that the media scatter to them, too: as a first solution has it. What
+ * that adds is made as large as all further times would. Moments become those of scattered light.
+ */
+static air_status add_glow(solving *self, const air_dom_solve_params *params, air_dom *dom)
+{
     const ord_space space = {self->path, self->domain, self->extinction[0]};
     const size_t first = self->sources.count;
     ord_photons photons = {.context = NULL};
-    float *const all = air_allocate(context, count, sizeof *all);
-    if (all == NULL) {
-        return air_fail_memory(context, "ordinates: light of media");
-    }
-    air_dom_moments(dom, all);
-    for (size_t i = 0; i < count; i++) {
-        all[i] += self->moments[i];
-    }
-    const ord_glow glow = {&space, self->extinction[1], &self->phase, self->dom.bands, all};
-    air_status status = ord_photons_glow(&glow, &photons);
-    air_free(context, all);
+    earlier e = {.moments = NULL};
+    air_status status = keep_earlier(self, dom, &e);
     if (status == AIR_OK) {
-        status =
-            ord_patches_choose(&space, &photons, self->with->settings->patches, &self->sources);
+        const ord_glow glow = glow_of(self, &space, dom, &e);
+        ord_glow_power(&glow, e.power);
+        status = ord_photons_glow(&glow, &photons);
+    }
+    if (status == AIR_OK) {
+        const size_t patches = self->with->settings->patches;
+        status = ord_patches_choose(&space, &photons, patches, &self->sources);
     }
     ord_photons_finish(&photons);
-    return status == AIR_OK ? take_sources(self, first, self->sources.count, self->sources.count)
-                            : status;
+    status = status == AIR_OK ? take_sources(self, first, self->sources.count, self->sources.count)
+                              : status;
+    status = status == AIR_OK ? solve(self, params, dom) : status;
+    if (status == AIR_OK) {
+        double power[3];
+        float factors[3];
+        const ord_glow glow = glow_of(self, &space, dom, &e);
+        ord_glow_power(&glow, power);
+        ord_glow_factors(e.power, power, factors);
+        air_dom_moments(dom, self->moments);
+        ord_glow_extend(e.moments, factors, e.fours, self->moments);
+        for (size_t m = 0; m < self->with->medium_count; m++) {
+            if (e.shown[m] != NULL) {
+                ord_glow_extend(e.shown[m], factors, self->domain->cells,
+                                self->with->media[m].light);
+            }
+        }
+    }
+    free_earlier(self, &e);
+    return status;
 }
 
 static air_status scatter(solving *self, uint32_t max_depth)
@@ -296,26 +368,20 @@ static air_status scatter(solving *self, uint32_t max_depth)
         status =
             air_dom_set_medium(dom, self->domain->sigma_s, self->domain->sigma_a, &self->phase);
     }
-    if (status == AIR_OK) {
-        status = air_dom_set_light(dom, self->moments);
-    }
     if (status == AIR_OK && self->inflow) {
         status = ord_inflow_set(&self->sources, &self->dom, dom);
     }
     if (status == AIR_OK) {
-        status = air_dom_solve(dom, &params, NULL);
+        status = solve(self, &params, dom);
     }
-    if (status == AIR_OK && self->with->snapshot->accelerator != NULL && self->dom.delta_m) {
-        status = add_glow(self, dom);
-        if (status == AIR_OK) {
-            status = air_dom_set_light(dom, self->moments);
-        }
-        if (status == AIR_OK) {
-            status = air_dom_solve(dom, &params, NULL);
-        }
+    const bool surfaces = self->with->snapshot->accelerator != NULL && self->dom.delta_m;
+    if (status == AIR_OK && surfaces) {
+        status = add_glow(self, &params, dom);
+    }
+    if (status == AIR_OK && !surfaces) {
+        air_dom_moments(dom, self->moments);
     }
     if (status == AIR_OK) {
-        air_dom_moments(dom, self->moments);
         take_through(self);
         show_scattered(self);
     }
