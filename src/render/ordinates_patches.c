@@ -7,7 +7,15 @@
 
 #include "airlight/ordinates_lights.h"
 
-enum { HILBERT_BITS = 10, NORMAL_CLASSES = 6, DISTANCES = 16, DEPTH_ROUNDS = 4 };
+enum {
+    HILBERT_BITS = 10,
+    NORMAL_CLASSES = 6,
+    DISTANCES = 16,
+    SIGHT_SHIFT = 3 * HILBERT_BITS + 8,
+    DEPTH_ROUNDS = 4,
+    WINDOW = 32,
+    SEED = 0x6f726470
+};
 
 /* Surfaces closer than this share of the domain's diagonal are near. */
 #define NEAR_SHARE 0.25f
@@ -18,6 +26,7 @@ typedef struct spot {
     uint64_t key;
     float weight; /* luminance, less far away */
     const ord_photon *photon;
+    bool sees; /* the domain */
 } spot;
 
 typedef struct choosing {
@@ -142,6 +151,61 @@ static void set_spots(choosing *self, const ord_photon *photons, size_t count)
     qsort(self->spots, self->count, sizeof *self->spots, by_key);
 }
 
+/* Do they see the domain? A look at a place in it for each. */
+static void look_from_spots(void *user, size_t chunk, size_t worker)
+{
+    const choosing *const self = user;
+    const air_path *const path = self->space->path;
+    const size_t begin = chunk * WINDOW, rest = self->count - begin;
+    const size_t count = rest < WINDOW ? rest : WINDOW;
+    air_ray rays[WINDOW] = {{.mask = 0}};
+    uint8_t occluded[WINDOW];
+    (void)worker;
+    for (size_t i = 0; i < count; i++) {
+        const ord_photon *const p = self->spots[begin + i].photon;
+        const air_sampler sampler = air_sampler_make(path->sobol, SEED, (uint32_t)(begin + i));
+        const air_f32x4 u = air_sampler_get(&sampler, 0);
+        const air_vec3 to = vec3_add(self->low, vec3_mul(self->size, vec3(u[0], u[1], u[2])));
+        const air_vec3 dir = vec3_sub(to, p->position);
+        rays[i] = (air_ray){.tmax = 1.0f, .mask = AIR_MASK_SHADOW_OPAQUE};
+        vec3_store(rays[i].origin, p->position);
+        vec3_store(rays[i].dir, dir);
+        rays[i].mask = vec3_dot(dir, p->normal) > 0.0f ? rays[i].mask : 0;
+    }
+    path->rays->occluded(path->snapshot->accelerator, rays, count, occluded);
+    for (size_t i = 0; i < count; i++) {
+        self->spots[begin + i].sees = rays[i].mask != 0 && !occluded[i];
+    }
+}
+
+/* Spots that are next to each other see the domain alike. Those that see none of it are left out,
+ * and such as see little of it are apart from others, so that they have patches of their own. */
+static void sort_by_sight(choosing *self)
+{
+    size_t kept = 0;
+    air_parallel_for(self->out->context, (self->count + WINDOW - 1) / WINDOW, look_from_spots,
+                     self);
+    self->weight = 0.0;
+    for (size_t begin = 0; begin < self->count; begin += WINDOW) {
+        const size_t rest = self->count - begin, count = rest < WINDOW ? rest : WINDOW;
+        size_t seeing = 0;
+        for (size_t i = begin; i < begin + count; i++) {
+            seeing += self->spots[i].sees ? 1 : 0;
+        }
+        const float share = (float)(ptrdiff_t)seeing / (float)(ptrdiff_t)count;
+        const uint64_t blind = share < 0.08f ? 2 : share < 0.25f ? 1 : 0;
+        for (size_t i = begin; i < begin + count && seeing > 0; i++) {
+            spot *const at = &self->spots[kept++];
+            *at = self->spots[i];
+            at->weight *= share;
+            at->key |= blind << SIGHT_SHIFT;
+            self->weight += (double)at->weight;
+        }
+    }
+    self->count = kept;
+    qsort(self->spots, self->count, sizeof *self->spots, by_key);
+}
+
 /* ---- patches ---- */
 
 /* The photon nearest to the middle of a patch: means of curved surfaces lie within them. */
@@ -256,6 +320,7 @@ static air_status choose(const ord_space *space, const ord_photon *photons, size
         status = air_fail_memory(context, "ordinates: patches");
     } else {
         set_spots(&self, photons, count);
+        sort_by_sight(&self);
         status = add_runs(&self);
     }
     air_free(context, self.spots);

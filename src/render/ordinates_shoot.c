@@ -9,34 +9,84 @@
 
 enum { SEED = 0x6f726473 };
 
-/* Where parallel light is looked at: around the media evenly, beyond twice their radius ever less
- * so, as what is far away sends them less. */
+/* The share of parallel photons that go to the domain: few of the others come to shine on it. */
+#define DOMAIN_SHARE 0.75f
+
+/* Where parallel light is looked at: in the domain's silhouette evenly, and all round it, beyond
+ * its diagonal ever less so, as what is far away sends it less. */
 typedef struct ord_disk {
-    air_vec3 center, scene_center;
-    float inner, outer, depth; /* depth: of the start before the scene's centre */
-    float area;                /* of the inner disk, plus what the rest counts as much as */
+    air_vec3 center, scene_center, half; /* half the domain's edges */
+    float inner, outer, depth;           /* depth: of the start before the scene's centre */
+    float area; /* of the inner disk, plus what the rest counts as much as */
 } ord_disk;
 
 static ord_disk disk_of(const ord_space *space)
 {
     const ord_domain *const d = space->domain;
     const air_light_table *const table = &space->path->snapshot->lights;
-    const air_vec3 size =
-        vec3((float)(ptrdiff_t)d->size[0] * d->cell_m, (float)(ptrdiff_t)d->size[1] * d->cell_m,
-             (float)(ptrdiff_t)d->size[2] * d->cell_m);
     ord_disk disk;
-    disk.center = ord_domain_world(d, vec3_scale(size, 0.5f));
+    disk.half = vec3_scale(vec3((float)(ptrdiff_t)d->size[0], (float)(ptrdiff_t)d->size[1],
+                                (float)(ptrdiff_t)d->size[2]),
+                           0.5f * d->cell_m);
+    disk.center = ord_domain_world(d, disk.half);
     disk.scene_center = table->scene_center;
-    disk.outer = vec3_length(vec3_sub(disk.center, table->scene_center)) + table->scene_radius;
-    disk.inner = float_min(vec3_length(size), disk.outer);
+    disk.outer = vec3_length(vec3_sub(disk.center, table->scene_center)) +
+                 float_max(table->scene_radius, vec3_length(disk.half));
+    disk.inner = float_min(2.0f * vec3_length(disk.half), disk.outer);
     disk.depth = table->scene_radius * 1.001f;
     disk.area = AIR_PI_F * disk.inner * disk.inner * (1.0f + 2.0f * logf(disk.outer / disk.inner));
     return disk;
 }
 
-/* A place across a direction; *area is what it stands for, times the number of places. */
-static air_vec3 place_across(const ord_disk *disk, const air_frame *frame, const float u[2],
-                             float *area)
+/* Areas of the domain's faces across each axis as seen along a direction. */
+static air_vec3 face_areas(const ord_disk *disk, air_vec3 dir)
+{
+    const air_vec3 h = disk->half;
+    return vec3_scale(
+        vec3(fabsf(dir.x) * h.y * h.z, fabsf(dir.y) * h.z * h.x, fabsf(dir.z) * h.x * h.y), 4.0f);
+}
+
+/* Does the line through a point meet the domain? */
+static bool in_silhouette(const ord_disk *disk, air_vec3 point, air_vec3 dir)
+{
+    const air_vec3 p = vec3_sub(point, disk->center);
+    const float at[3] = {p.x, p.y, p.z}, d[3] = {dir.x, dir.y, dir.z};
+    const float half[3] = {disk->half.x, disk->half.y, disk->half.z};
+    float t0 = -HUGE_VALF, t1 = HUGE_VALF;
+    for (int axis = 0; axis < 3; axis++) {
+        if (fabsf(d[axis]) < 1e-7f) {
+            t1 = fabsf(at[axis]) > half[axis] ? t0 : t1;
+            continue;
+        }
+        const float a = (-half[axis] - at[axis]) / d[axis], b = (half[axis] - at[axis]) / d[axis];
+        t0 = float_max(t0, float_min(a, b));
+        t1 = float_min(t1, float_max(a, b));
+    }
+    return t0 < t1;
+}
+
+/* A point of the faces that light along dir enters by. */
+static air_vec3 point_on_faces(const ord_disk *disk, air_vec3 dir, air_vec3 areas, const float u[2])
+{
+    const float sum = areas.x + areas.y + areas.z;
+    float rest = u[0] * sum;
+    const air_vec3 h = disk->half;
+    const float y = 2.0f * u[1] - 1.0f;
+    if (rest < areas.x) {
+        const float x = 2.0f * rest / areas.x - 1.0f;
+        return vec3_add(disk->center, vec3(dir.x > 0.0f ? -h.x : h.x, x * h.y, y * h.z));
+    }
+    rest -= areas.x;
+    if (rest < areas.y) {
+        const float x = 2.0f * rest / areas.y - 1.0f;
+        return vec3_add(disk->center, vec3(x * h.x, dir.y > 0.0f ? -h.y : h.y, y * h.z));
+    }
+    rest -= areas.y;
+    const float x = areas.z > 0.0f ? 2.0f * float_min(rest / areas.z, 1.0f) - 1.0f : 0.0f;
+    return vec3_add(disk->center, vec3(x * h.x, y * h.y, dir.z > 0.0f ? -h.z : h.z));
+}
+
+static air_vec3 point_on_disk(const ord_disk *disk, const air_frame *frame, const float u[2])
 {
     const air_vec3 at = sample_disk_concentric(u[0], u[1]);
     const float square = at.x * at.x + at.y * at.y, length = sqrtf(square);
@@ -46,11 +96,30 @@ static air_vec3 place_across(const ord_disk *disk, const air_frame *frame, const
         r = disk->inner *
             expf((square - within) / (1.0f - within) * logf(disk->outer / disk->inner));
     }
-    const float ratio = float_max(r / disk->inner, 1.0f);
     const float scale = length > 0.0f ? r / length : 0.0f;
-    *area = disk->area * ratio * ratio;
     return vec3_add(disk->center, vec3_add(vec3_scale(frame->s, at.x * scale),
                                            vec3_scale(frame->t, at.y * scale)));
+}
+
+/* A place across a direction; *area is what it stands for, times the number of places. */
+static air_vec3 place_across(const ord_disk *disk, air_vec3 dir, const float u[2], float *area)
+{
+    const air_frame frame = frame_from_normal(dir);
+    const air_vec3 areas = face_areas(disk, dir);
+    const float silhouette = areas.x + areas.y + areas.z;
+    const bool near = u[0] < DOMAIN_SHARE;
+    const float v[2] = {near ? u[0] / DOMAIN_SHARE : (u[0] - DOMAIN_SHARE) / (1.0f - DOMAIN_SHARE),
+                        u[1]};
+    const air_vec3 place =
+        near ? point_on_faces(disk, dir, areas, v) : point_on_disk(disk, &frame, v);
+    const air_vec3 off = vec3_sub(place, disk->center);
+    const air_vec3 across = vec3_madd(off, -vec3_dot(off, dir), dir);
+    const float r = vec3_length(across), ratio = float_max(r / disk->inner, 1.0f);
+    const bool seen = near || in_silhouette(disk, place, dir);
+    const float density = (seen ? DOMAIN_SHARE / silhouette : 0.0f) +
+                          (1.0f - DOMAIN_SHARE) / (disk->area * ratio * ratio);
+    *area = 1.0f / density;
+    return place;
 }
 
 /* The rectangle about all windows of a light, where that is smaller than the disk. */
@@ -77,11 +146,10 @@ static void from_far(const ord_disk *disk, const air_light *light, air_vec3 dir,
                      air_vec3 irradiance, const float u[2], ord_photon *out)
 {
     const bool windows = light->kind == AIR_LIGHT_COLLIMATED;
-    const air_frame frame = frame_from_normal(dir);
     float area;
     air_vec3 place;
     if (!windows || !place_in_windows(light, disk, u, &place, &area)) {
-        place = place_across(disk, &frame, u, &area);
+        place = place_across(disk, dir, u, &area);
     }
     if (windows && !air_light_in_windows(light, place)) {
         return;
