@@ -332,8 +332,12 @@ static void a_colour_that_is_grey_is_as_grey(void **state)
             random_rays(&b, 5);
             march(context, &grey, &a, 20);
             march(context, &coloured, &b, 20);
-            assert_memory_equal(a.light, b.light, sizeof a.light);
-            assert_memory_equal(a.through, b.through, sizeof a.through);
+            for (int i = 0; i < RAYS; i++) { /* as below: where they end may differ */
+                for (int c = 0; c < 3; c++) {
+                    assert_near((double)a.light[c][i], (double)b.light[c][i], 3e-4);
+                    assert_near((double)a.through[c][i], (double)b.through[c][i], 1e-4);
+                }
+            }
             free(grey.voxels);
             free(coloured.voxels);
         }
@@ -341,7 +345,7 @@ static void a_colour_that_is_grey_is_as_grey(void **state)
     }
 }
 
-/* Rounding of 24 steps in float; exponentials to 2e-6; the lanes end at a transmittance of 1e-5,
+/* Rounding of 24 steps in float; exponentials to 2e-6; the lanes end at a transmittance of 1e-4,
  * beyond which is no more than 3 times that. */
 static void instruction_sets_agree(void **state)
 {
@@ -358,8 +362,8 @@ static void instruction_sets_agree(void **state)
             march(context, &volume, &b, 24);
             for (int i = 0; i < RAYS; i++) {
                 for (int c = 0; c < 3; c++) {
-                    assert_near((double)a.light[c][i], (double)b.light[c][i], 1e-4);
-                    assert_near((double)a.through[c][i], (double)b.through[c][i], 2e-5);
+                    assert_near((double)a.light[c][i], (double)b.light[c][i], 3e-4);
+                    assert_near((double)a.through[c][i], (double)b.through[c][i], 1e-4);
                 }
             }
             free(volume.voxels);
