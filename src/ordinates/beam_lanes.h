@@ -6,7 +6,7 @@
 #include "core/lanes_float.h"
 #include "ordinates/beam.h"
 
-typedef int32_t lane_ints __attribute__((vector_size(4 * LANES)));
+typedef uint32_t lane_bits __attribute__((vector_size(4 * LANES)));
 
 enum { CELLS = LANES / BEAM_CHANNELS, BYTES = BEAM_CHANNELS * sizeof(float) };
 
@@ -22,7 +22,7 @@ static inline lanes beam_exp(lanes x)
     const lanes p45 = lanes_madd(r, lanes_all(1.0f / 120.0f), lanes_all(1.0f / 24.0f));
     const lanes p67 = lanes_madd(r, lanes_all(1.0f / 5040.0f), lanes_all(1.0f / 720.0f));
     const lanes p = lanes_madd(r2, lanes_madd(r2, lanes_madd(r2, p67, p45), p23), r);
-    const lanes power = (lanes)(((lane_ints)shifted << 23) + (lane_ints)one);
+    const lanes power = (lanes)(((lane_bits)shifted << 23) + (lane_bits)one);
     return lanes_madd(p, power, power);
 }
 
