@@ -342,7 +342,7 @@ air_status ord_patches_add(const ord_lighting *lighting, const ord_space *space,
                            ord_source_list *out)
 {
     const size_t patches = lighting->settings->patches;
-    const bool endless = max_depth > lighting->settings->sweeps;
+    const bool endless = max_depth > ORD_SURFACE_EVENTS;
     const size_t most = endless ? ORD_ROUNDS : DEPTH_ROUNDS, events = (size_t)max_depth - 1;
     ord_photons photons;
     if (space->path->snapshot->accelerator == NULL || max_depth < 2) {

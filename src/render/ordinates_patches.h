@@ -5,6 +5,11 @@
 
 #include "render/ordinates_photons.h"
 
+/* Events up to which those in surfaces are counted. Where more are allowed, all light that surfaces
+ * send counts, whatever came before: what that adds beyond the limit is far less than what would be
+ * left out else. */
+enum { ORD_SURFACE_EVENTS = 7 };
+
 /* Rounds [1, photons->rounds) as about `patches` sources, at least one where there is light. Light
  * of surfaces that face away from the domain is left out; else fluxes sum to the photons'. */
 air_status ord_patches_choose(const ord_space *space, const ord_photons *photons, size_t patches,

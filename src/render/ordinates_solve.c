@@ -374,8 +374,10 @@ static air_status scatter(solving *self, uint32_t max_depth)
     if (status == AIR_OK) {
         status = solve(self, &params, dom);
     }
-    const bool surfaces = self->with->snapshot->accelerator != NULL && self->dom.delta_m;
+    const bool surfaces =
+        self->with->snapshot->accelerator != NULL && max_depth > ORD_SURFACE_EVENTS;
     if (status == AIR_OK && surfaces) {
+        params.cold = params.depth == 0; /* sweeps count events */
         status = add_glow(self, &params, dom);
     }
     if (status == AIR_OK && !surfaces) {
