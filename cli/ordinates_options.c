@@ -73,10 +73,10 @@ static const cli_option ordinates_options[] = {
      .kind = CLI_FLAG,
      .offset = offsetof(cli_ordinates_options, no_prefilter),
      .help = "Directions stand for points of the sky, not for the parts about them."},
-    {.name = "no-importance",
+    {.name = "importance",
      .kind = CLI_FLAG,
-     .offset = offsetof(cli_ordinates_options, no_importance),
-     .help = "Choose directions by the sky's light alone, not also by what the camera sees of it."},
+     .offset = offsetof(cli_ordinates_options, importance),
+     .help = "Choose directions of the sky also by what the camera sees of them."},
     {.name = "no-residuum",
      .kind = CLI_FLAG,
      .offset = offsetof(cli_ordinates_options, no_residuum),
@@ -145,7 +145,7 @@ void cli_ordinates_set(const cli_ordinates_options *options, air_ordinates_setti
         settings->azimuths = (int)options->angles.value[1];
     }
     settings->prefilter = settings->prefilter && !options->no_prefilter;
-    settings->importance = settings->importance && !options->no_importance;
+    settings->importance = settings->importance || options->importance;
     settings->residuum = settings->residuum && !options->no_residuum;
     settings->bilateral = settings->bilateral || options->bilateral;
 }

@@ -129,7 +129,7 @@ typedef struct air_ordinates_settings {
     uint32_t steps;  /* of literal, cm and six at most, [1, 4096]; default 32 */
     uint32_t march;  /* looks per cell along camera rays, [1, 64]; default 2 */
     bool prefilter;  /* directions stand for parts of the sky, not for points; default true */
-    bool importance; /* directions by what the camera sees of them; default true */
+    bool importance; /* directions by what the camera sees of them; default false */
     bool residuum;   /* literal, cm, six: light that has lost its direction goes on in one grid;
                         default true */
     bool bilateral;  /* light is taken from cells of like density; default false */

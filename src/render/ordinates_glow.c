@@ -2,6 +2,7 @@
 #include "render/ordinates_glow.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "core/harmonics.h"
 #include "core/warp.h"
@@ -160,4 +161,42 @@ void ord_glow_extend(const float *before, const float factors[3], size_t fours, 
         const size_t c = i % CHANNELS;
         after[i] = c < 3 ? before[i] + factors[c] * (after[i] - before[i]) : after[i];
     }
+}
+
+void ord_earlier_finish(const air_with_ordinates *with, ord_earlier *earlier)
+{
+    for (size_t m = 0; earlier->shown != NULL && m < with->medium_count; m++) {
+        air_free(with->context, earlier->shown[m]);
+    }
+    air_free(with->context, earlier->shown);
+    air_free(with->context, earlier->moments);
+    air_free(with->context, earlier->all);
+}
+
+air_status ord_earlier_keep(const air_with_ordinates *with, const air_dom *dom, size_t harmonics,
+                            ord_earlier *out)
+{
+    air_context *const context = with->context;
+    const size_t count = with->domain.cells * CHANNELS;
+    memset(out, 0, sizeof *out);
+    out->fours = with->domain.cells * harmonics;
+    out->moments = air_allocate(context, out->fours * CHANNELS, sizeof *out->moments);
+    out->all = air_allocate(context, out->fours * CHANNELS, sizeof *out->all);
+    out->shown = air_allocate(context, with->medium_count, sizeof *out->shown);
+    bool made = out->moments != NULL && out->all != NULL && out->shown != NULL;
+    for (size_t m = 0; made && m < with->medium_count; m++) {
+        const float *const light = with->media[m].light;
+        if (light != NULL) {
+            out->shown[m] = air_allocate(context, count, sizeof *light);
+            made = out->shown[m] != NULL;
+        }
+        if (made && light != NULL) {
+            memcpy(out->shown[m], light, count * sizeof *light);
+        }
+    }
+    if (!made) {
+        return air_fail_memory(context, "ordinates: light of surfaces");
+    }
+    air_dom_moments(dom, out->moments);
+    return AIR_OK;
 }

@@ -4,6 +4,7 @@
 #define AIR_RENDER_ORDINATES_GLOW_H
 
 #include "render/ordinates_photons.h"
+#include "render/ordinates_state.h"
 
 typedef struct ord_glow {
     const ord_space *space;       /* its extinction counts the peaks of phase functions as none */
@@ -25,5 +26,20 @@ void ord_glow_factors(const double first[3], const double both[3], float out[3])
 
 /* after becomes before + factors (after - before): numbers in fours. */
 void ord_glow_extend(const float *before, const float factors[3], size_t fours, float *after);
+
+/* What there was before surfaces sent back light that media had scattered to them. */
+typedef struct ord_earlier {
+    float *moments;  /* of scattered light */
+    float *all;      /* room for those of all light */
+    float **shown;   /* ord_medium.light, by medium */
+    double power[3]; /* room for ord_glow_power */
+    size_t fours;    /* in moments and in all */
+} ord_earlier;
+
+/* A copy of what there is now; `harmonics` moments per cell. Whatever comes back, out is to be
+ * finished. */
+air_status ord_earlier_keep(const air_with_ordinates *with, const air_dom *dom, size_t harmonics,
+                            ord_earlier *out);
+void ord_earlier_finish(const air_with_ordinates *with, ord_earlier *earlier);
 
 #endif

@@ -1,6 +1,7 @@
 /* ordinates_memory.c: what a solution will take, told before it is begun. */
 #include "airlight/ordinates_beam.h"
 #include "airlight/ordinates_dom.h"
+#include "render/ordinates_photons.h"
 #include "render/ordinates_state.h"
 
 enum { CHANNELS = 4 };
@@ -40,6 +41,15 @@ static double solver_bytes(const air_with_ordinates *with)
            (double)air_dom_bytes(&dom, solve.depth);
 }
 
+/* Of light that surfaces send back: photons, and copies of what there was before. */
+static double surface_bytes(const air_with_ordinates *with)
+{
+    const double bands = (double)with->settings->bands, media = (double)with->snapshot->media.count;
+    const double four = CHANNELS * sizeof(float);
+    return (double)with->domain.cells * four * (2.0 * bands * bands + media) +
+           2.0 * ORD_PHOTONS * (ORD_ROUNDS + 1.0) * (double)sizeof(ord_photon);
+}
+
 double ord_memory(const air_with_ordinates *with, bool deep)
 {
     const double cells = (double)with->domain.cells;
@@ -47,5 +57,6 @@ double ord_memory(const air_with_ordinates *with, bool deep)
     const double kinds = (double)with->all + (double)with->single;
     const double media = (double)with->snapshot->media.count * kinds * CHANNELS;
     return cells * (planes + media) * sizeof(float) + block_bytes(with) +
-           (deep ? solver_bytes(with) : 0.0);
+           (deep ? solver_bytes(with) : 0.0) +
+           (deep && with->snapshot->accelerator != NULL ? surface_bytes(with) : 0.0);
 }

@@ -8,6 +8,7 @@
 #include "core/phase.h"
 #include "render/ordinates_glow.h"
 #include "render/ordinates_grids.h"
+#include "render/ordinates_importance.h"
 #include "render/ordinates_patches.h"
 #include "render/ordinates_state.h"
 
@@ -257,52 +258,8 @@ static air_status solve(const solving *self, const air_dom_solve_params *params,
     return status == AIR_OK ? air_dom_solve(dom, params, NULL) : status;
 }
 
-/* What there was before surfaces sent back light that media had scattered to them. */
-typedef struct earlier {
-    float *moments; /* of scattered light */
-    float *all;     /* of all light; then as it is now */
-    float **shown;  /* by medium */
-    double power[3];
-    size_t fours;
-} earlier;
-
-static void free_earlier(const solving *self, earlier *e)
-{
-    air_context *const context = self->with->context;
-    for (size_t m = 0; e->shown != NULL && m < self->with->medium_count; m++) {
-        air_free(context, e->shown[m]);
-    }
-    air_free(context, e->shown);
-    air_free(context, e->moments);
-    air_free(context, e->all);
-}
-
-static air_status keep_earlier(const solving *self, const air_dom *dom, earlier *e)
-{
-    air_context *const context = self->with->context;
-    const size_t bytes = self->domain->cells * CHANNELS * sizeof(float);
-    e->fours = self->domain->cells * (size_t)(self->dom.bands * self->dom.bands);
-    e->moments = air_allocate(context, e->fours * CHANNELS, sizeof(float));
-    e->all = air_allocate(context, e->fours * CHANNELS, sizeof(float));
-    e->shown = air_allocate(context, self->with->medium_count, sizeof *e->shown);
-    bool made = e->moments != NULL && e->all != NULL && e->shown != NULL;
-    for (size_t m = 0; made && m < self->with->medium_count; m++) {
-        if (self->with->media[m].light != NULL) {
-            e->shown[m] = air_allocate(context, bytes, 1);
-            made = e->shown[m] != NULL;
-        }
-        if (made && e->shown[m] != NULL) {
-            memcpy(e->shown[m], self->with->media[m].light, bytes);
-        }
-    }
-    if (!made) {
-        return air_fail_memory(context, "ordinates: light of surfaces");
-    }
-    air_dom_moments(dom, e->moments);
-    return AIR_OK;
-}
-
-static ord_glow glow_of(const solving *self, const ord_space *space, const air_dom *dom, earlier *e)
+static ord_glow glow_of(const solving *self, const ord_space *space, const air_dom *dom,
+                        ord_earlier *e)
 {
     air_dom_moments(dom, e->all);
     for (size_t i = 0; i < e->fours * CHANNELS; i++) {
@@ -319,8 +276,9 @@ static air_status add_glow(solving *self, const air_dom_solve_params *params, ai
     const ord_space space = {self->path, self->domain, self->extinction[0]};
     const size_t first = self->sources.count;
     ord_photons photons = {.context = NULL};
-    earlier e = {.moments = NULL};
-    air_status status = keep_earlier(self, dom, &e);
+    const size_t bands = (size_t)self->dom.bands;
+    ord_earlier e;
+    air_status status = ord_earlier_keep(self->with, dom, bands * bands, &e);
     if (status == AIR_OK) {
         const ord_glow glow = glow_of(self, &space, dom, &e);
         ord_glow_power(&glow, e.power);
@@ -349,7 +307,7 @@ static air_status add_glow(solving *self, const air_dom_solve_params *params, ai
             }
         }
     }
-    free_earlier(self, &e);
+    ord_earlier_finish(self->with, &e);
     return status;
 }
 
@@ -529,7 +487,8 @@ air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
                      const air_camera_view *view, const air_render_params *params)
 {
     const air_ordinates_settings *const settings = with->settings;
-    const ord_lighting lighting = {with->path, owners, settings, NULL};
+    float importance[ORD_IMPORTANCE_TEXELS];
+    bool steered = false;
     solving self = {.with = with, .path = with->path, .domain = &with->domain};
     const bool deep = with->all && params->max_depth > 1;
     air_dom_params_default(&self.dom);
@@ -548,7 +507,12 @@ air_status ord_solve(air_with_ordinates *with, const air_owner_table *owners,
     if (status != AIR_OK) {
         return status;
     }
-    status = ord_sources_make(&lighting, &self.sources);
+    if (status == AIR_OK && settings->importance && with->snapshot->lights.environment_count > 0) {
+        status = ord_importance_make(self.domain, view, params->width, params->height, NULL,
+                                     importance, &steered);
+    }
+    const ord_lighting lighting = {with->path, owners, settings, steered ? importance : NULL};
+    status = status == AIR_OK ? ord_sources_make(&lighting, &self.sources) : status;
     if (status == AIR_OK && deep && may_flow_in(&self, params)) {
         self.inflow = ord_inflow_choose(&self.sources);
     }

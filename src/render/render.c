@@ -41,7 +41,7 @@ void air_render_params_default(air_render_params *params)
                                                  .steps = 32,
                                                  .march = 2,
                                                  .prefilter = true,
-                                                 .importance = true,
+                                                 .importance = false,
                                                  .residuum = true};
     params->time_limit_s = INFINITY;
     params->tile_size = 32;
