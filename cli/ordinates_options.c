@@ -26,8 +26,8 @@ static const cli_option ordinates_options[] = {
      .min = 1,
      .max = 4096,
      .offset = offsetof(cli_ordinates_options, patches),
-     .help = "Points of light for each lamp with an area, and for the surfaces that each light "
-             "shines on; by --quality 16, 32, 64 or 256."},
+     .help = "Points of light for each lamp with an area, and for what surfaces reflect; by "
+             "--quality 16, 32, 64 or 256."},
     {.name = "bands",
      .kind = CLI_COUNT,
      .value = "N",

@@ -120,8 +120,8 @@ struct air_film;
 typedef struct air_ordinates_settings {
     uint32_t cells;      /* along the longest side of the media's bounds, [2, 256]; default 32 */
     uint32_t directions; /* for each environment, [1, 4096]; default 64 */
-    uint32_t patches; /* of each lamp with an area, and of surfaces that each light shines on, [1,
-                         4096]; default 64 */
+    uint32_t patches;    /* about so many of each lamp with an area, of all surfaces for what lights
+                            send them, and again for what media send them, [1, 4096]; default 64 */
     int bands, polar, azimuths; /* of dom, as in air_dom_params; default 5, 6, 12 */
     uint32_t sweeps; /* of dom and shdom at most, >= 1; default 64. A max_depth up to it is
                         kept; one above is as good as none */
