@@ -70,6 +70,7 @@ typedef struct frame {
     air_seen_box box;
     double factors[AIR_DOM_BANDS_MAX], peak;
     air_volume volume;
+    float *empty;
     frame_ray_tile *tiles[FRAME_THREADS];
     float *picture, *through;      /* width * height * 3 */
     double seconds[STAGES], whole; /* of the last frame */
@@ -159,6 +160,8 @@ static inline void frame_make_volume(frame *self)
     }
     self->box.observer[2] += frame_distance;
     self->volume.voxels = frame_floats((size_t)4 * FRAME_VOXELS * FRAME_VOXELS * FRAME_VOXELS);
+    self->empty = frame_floats(air_volume_block_count(&self->volume));
+    self->volume.empty = self->empty;
 }
 
 static inline void frame_make_solver(frame *self)
@@ -567,6 +570,7 @@ static inline void frame_run(frame *self)
     frame_time(self, STAGE_SEEN, &since);
     air_parallel_for(self->context, FRAME_VOXELS, frame_fill_slab, self);
     frame_time(self, STAGE_FILL, &since);
+    air_volume_find_empty(&self->volume, self->empty);
     self->hits = 0;
     const size_t tiles = ((self->width + FRAME_TILE - 1) / FRAME_TILE) *
                          ((self->height + FRAME_TILE - 1) / FRAME_TILE);

@@ -14,7 +14,7 @@ typedef struct smoke {
     air_volume volume;
     size_t count, cell_size[3], numbers; /* voxels, cells, floats per voxel */
     float sigma_t[3 * VOXELS], cell_j[4 * CELLS];
-    float voxels[8 * VOXELS];
+    float voxels[8 * VOXELS], empty[VOXELS];
 } smoke;
 
 static void make(air_rng *rng, int round, smoke *out)
@@ -92,6 +92,17 @@ static void march(const air_context *context, const air_volume *volume, rays *at
     air_volume_march(context, volume, &given, RAYS, 50, radiance, left);
 }
 
+/* Nothing in most voxels. */
+static void thin_out(air_rng *rng, float share, smoke *fog)
+{
+    for (size_t i = 0; i < fog->count; i++) {
+        if (air_rng_float(rng) < share) {
+            const size_t numbers = fog->volume.coloured ? 3 : 1;
+            memset(fog->sigma_t + i * numbers, 0, numbers * sizeof(float));
+        }
+    }
+}
+
 /* Places are off by some roundings of up to 70 voxels, 1e-5 of one, between which numbers differ by
  * up to 3; what is behind 1e-4 of transmittance may be missing. */
 static void marches_do_what_plain_c_does(void **state)
@@ -104,8 +115,13 @@ static void marches_do_what_plain_c_does(void **state)
     (void)state;
     for (int round = 0; round < ROUNDS; round++) {
         make(&rng, round, &fog);
+        if (round % 3 > 0) {
+            thin_out(&rng, round % 3 == 1 ? 0.97f : 0.9995f, &fog);
+        }
         air_volume_fill(NULL, &fog.volume, fog.sigma_t, fog.cell_size, fog.cell_j, true, 3.0f, 0,
                         fog.volume.size[2]);
+        air_volume_find_empty(&fog.volume, fog.empty);
+        fog.volume.empty = round % 3 > 0 ? fog.empty : NULL;
         aim(&rng, &fog.volume, &at);
         for (int level = 0; level < all.count; level++) {
             march(all.contexts[level], &fog.volume, &at);
@@ -123,10 +139,58 @@ static void marches_do_what_plain_c_does(void **state)
     levels_finish(&all);
 }
 
+enum { SIDE = 9 };
+
+static size_t apart(size_t a, size_t b) { return a > b ? a - b : b - a; }
+
+/* Blocks between a block and a voxel along an axis; one on a side belongs to both. */
+static size_t blocks_between(size_t block, size_t voxel)
+{
+    const size_t own = voxel / AIR_VOLUME_BLOCK;
+    const size_t before = voxel % AIR_VOLUME_BLOCK == 0 && own > 0 ? own - 1 : own;
+    return apart(own, block) < apart(before, block) ? apart(own, block) : apart(before, block);
+}
+
+static size_t nearest_of(const float *voxels, size_t x, size_t y, size_t z)
+{
+    size_t nearest = 255;
+    for (size_t i = 0; i < SIDE * SIDE * SIDE; i++) {
+        size_t away = blocks_between(x, i % SIDE);
+        const size_t along_y = blocks_between(y, i / SIDE % SIDE);
+        const size_t along_z = blocks_between(z, i / SIDE / SIDE);
+        away = along_y > away ? along_y : away;
+        away = along_z > away ? along_z : away;
+        nearest = voxels[4 * i + 3] > 0.0f && away < nearest ? away : nearest;
+    }
+    return nearest;
+}
+
+static void empty_blocks_know_the_nearest_that_are_not(void **state)
+{
+    static float voxels[4 * SIDE * SIDE * SIDE], empty[SIDE * SIDE * SIDE];
+    const air_volume volume = {.size = {SIDE, SIDE, SIDE}, .voxels = voxels};
+    const size_t blocks = (SIDE + AIR_VOLUME_BLOCK - 1) / AIR_VOLUME_BLOCK;
+    air_rng rng = air_rng_from_keys(9, 1);
+    (void)state;
+    assert_int_equal(air_volume_block_count(&volume), blocks * blocks * blocks);
+    for (int round = 0; round < 10; round++) {
+        for (size_t i = 0; i < SIDE * SIDE * SIDE; i++) {
+            voxels[4 * i + 3] = air_rng_float(&rng) < 0.003f ? 1.0f : 0.0f;
+        }
+        air_volume_find_empty(&volume, empty);
+        for (size_t b = 0; b < blocks * blocks * blocks; b++) {
+            const size_t expected =
+                nearest_of(voxels, b % blocks, b / blocks % blocks, b / blocks / blocks);
+            assert_true(empty[b] == (float)(ptrdiff_t)expected);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(voxels_are_filled_as_plain_c_does),
+        cmocka_unit_test(empty_blocks_know_the_nearest_that_are_not),
         cmocka_unit_test(marches_do_what_plain_c_does),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -68,6 +68,13 @@ static inline lanes spread_half(lanes rays, int q, int half)
 static inline lanes low_of_pairs(lanes a, lanes b) { return _mm512_shuffle_f32x4(a, b, 0x88); }
 static inline lanes high_of_pairs(lanes a, lanes b) { return _mm512_shuffle_f32x4(a, b, 0xdd); }
 
+static inline lanes gather(const float *from, lane_ints at)
+{
+    return _mm512_i32gather_ps((__m512i)at, from, 4);
+}
+
+static inline float least_of(lanes a) { return _mm512_reduce_min_ps(a); }
+
 static inline lanes unpack_low(lanes a, lanes b) { return _mm512_unpacklo_ps(a, b); }
 static inline lanes unpack_high(lanes a, lanes b) { return _mm512_unpackhi_ps(a, b); }
 static inline lanes unpack_low2(lanes a, lanes b)
@@ -108,6 +115,18 @@ static inline lanes spread_half(lanes rays, int q, int half)
 static inline lanes low_of_pairs(lanes a, lanes b) { return _mm256_permute2f128_ps(a, b, 0x20); }
 static inline lanes high_of_pairs(lanes a, lanes b) { return _mm256_permute2f128_ps(a, b, 0x31); }
 
+static inline lanes gather(const float *from, lane_ints at)
+{
+    return _mm256_i32gather_ps(from, (__m256i)at, 4);
+}
+
+static inline float least_of(lanes a)
+{
+    const __m128 four = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
+    const __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+    return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
+}
+
 static inline lanes unpack_low(lanes a, lanes b) { return _mm256_unpacklo_ps(a, b); }
 static inline lanes unpack_high(lanes a, lanes b) { return _mm256_unpackhi_ps(a, b); }
 static inline lanes unpack_low2(lanes a, lanes b)
@@ -137,6 +156,17 @@ static inline lanes spread_group(lanes rays, int q) { return lanes_all(rays[q]);
 static inline lanes spread_half(lanes rays, int q, int half) { return lanes_all(rays[q + half]); }
 static inline lanes low_of_pairs(lanes a, lanes b) { return _mm_movelh_ps(a, b); }
 static inline lanes high_of_pairs(lanes a, lanes b) { return _mm_movehl_ps(b, a); }
+static inline lanes gather(const float *from, lane_ints at)
+{
+    return _mm_setr_ps(from[at[0]], from[at[1]], from[at[2]], from[at[3]]);
+}
+
+static inline float least_of(lanes a)
+{
+    const __m128 two = _mm_min_ps(a, _mm_movehl_ps(a, a));
+    return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
+}
+
 static inline lanes unpack_low(lanes a, lanes b) { return _mm_unpacklo_ps(a, b); }
 static inline lanes unpack_high(lanes a, lanes b) { return _mm_unpackhi_ps(a, b); }
 static inline lanes unpack_low2(lanes a, lanes b) { return _mm_movelh_ps(a, b); }
@@ -159,6 +189,9 @@ typedef struct march {
 static inline lanes each_ray(const float *values, size_t ray, size_t end)
 {
     float out[LANES];
+    if (ray + LANES <= end) {
+        return lanes_load(values + ray);
+    }
     for (size_t n = 0; n < LANES; n++) {
         out[n] = values[ray + n < end ? ray + n : end - 1];
     }
@@ -282,18 +315,64 @@ static inline lanes left_of(const march *m, lanes sigma_t)
     return march_exp(lanes_all(0.0f) - lanes_min(sigma_t * m->metres, lanes_all(87.0f)));
 }
 
+/* How many steps from `at` on look at nothing but empty voxels, for all rays: until one comes into
+ * a block that may not be empty. */
+static uint32_t next_of_nothing(const march *m, lanes at)
+{
+    const lanes none = lanes_all(0.0f), one = lanes_all(1.0f);
+    const int32_t row = (int32_t)volume_blocks(m->volume->size[0]);
+    const int32_t strides[3] = {1, row, row * (int32_t)volume_blocks(m->volume->size[1])};
+    lane_ints block = {0};
+    lanes ahead[3], room = lanes_all(1e6f);
+    for (int axis = 0; axis < 3; axis++) { /* of the block, what is ahead */
+        const lanes position = lanes_madd(at, m->step[axis], m->start[axis]);
+        const lanes held = lanes_min(lanes_max(position, none), m->low[axis]);
+        const lanes place = held * lanes_all(1.0f / AIR_VOLUME_BLOCK);
+        const lane_ints whole = __builtin_convertvector(place, lane_ints);
+        const lanes share = place - __builtin_convertvector(whole, lanes);
+        ahead[axis] = lanes_select(lanes_less(none, m->step[axis]), one - share, share);
+        block += whole * strides[axis];
+    }
+    const lanes away = gather(m->volume->empty, block) - one;
+    for (int axis = 0; axis < 3; axis++) {
+        const lanes blocks = lanes_max(ahead[axis] + away, none);
+        const lanes speed = lanes_max(lanes_abs(m->step[axis]), lanes_all(1e-6f));
+        room =
+            lanes_min(room, blocks * lanes_all(0.9999f * AIR_VOLUME_BLOCK) * lanes_inverse(speed));
+    }
+    return (uint32_t)least_of(room);
+}
+
+/* From one such block to the next. */
+static uint32_t steps_of_nothing(const march *m, uint32_t step, uint32_t steps)
+{
+    uint32_t all = 0, more = m->volume->empty != NULL ? 1 : 0;
+    while (more > 0 && step + all < steps) {
+        more = next_of_nothing(m, lanes_all((float)(step + all)));
+        all += more;
+    }
+    return all;
+}
+
 static inline void march_grey(const march *m, uint32_t steps, bool paired, carried *out)
 {
     const lanes one = lanes_all(1.0f);
     carried light = *out; /* in registers */
-    lanes at = lanes_all(0.0f);
+    uint32_t step = steps_of_nothing(m, 0, steps);
     corner c[2];
-    find_corner(m, at, &c[0]);
-    for (uint32_t step = 0; step < steps; step++) {
+    find_corner(m, lanes_all((float)step), &c[0]);
+    for (int turn = 0; step < steps; step++, turn ^= 1) {
         lanes voxel[NUMBERS];
-        at = at + one;
-        find_corner(m, at, &c[(step + 1) % 2]); /* ahead: its places take long to find */
-        sample(m, m->volume->voxels, &c[step % 2], paired, voxel);
+        find_corner(m, lanes_all((float)(step + 1)), &c[turn ^ 1]); /* ahead: it takes long */
+        sample(m, m->volume->voxels, &c[turn], paired, voxel);
+        if (!mask_any(lanes_less(lanes_all(0.0f), voxel[3]))) {
+            const uint32_t more = steps_of_nothing(m, step, steps);
+            if (more > 0) {
+                step += more;
+                find_corner(m, lanes_all((float)(step + 1)), &c[turn ^ 1]);
+            }
+            continue;
+        }
         const lanes left = left_of(m, voxel[3]), gain = light.through[0] * (one - left);
         for (int i = 0; i < 3; i++) {
             light.radiance[i] = lanes_madd(gain, voxel[i], light.radiance[i]);
