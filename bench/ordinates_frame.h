@@ -475,70 +475,97 @@ static inline void frame_fill_slab(void *user, size_t k, size_t worker)
                     true, 40.0f, k, k + 1);
 }
 
-/* One ray; false where it passes the box. */
-static inline bool frame_aim_ray(const frame *self, const float dir[3], float *out_t0,
-                                 float *out_t1)
+/* Where rays along dir enter and leave the box along one axis, as far as that is later and earlier
+ * than before. */
+static inline void frame_clip(float observer, const float *dir, float *t0, float *t1)
 {
-    float t0 = 0.0f, t1 = 1e30f;
-    for (int axis = 0; axis < 3; axis++) {
-        const float inverse = 1.0f / dir[axis];
-        const float a = -self->box.observer[axis] * inverse, b = a + frame_side * inverse;
+    for (int n = 0; n < 16; n++) {
+        const float inverse = 1.0f / dir[n];
+        const float a = -observer * inverse, b = (frame_side - observer) * inverse;
         const float low = a < b ? a : b, high = a < b ? b : a;
-        t0 = t0 > low ? t0 : low;
-        t1 = t1 < high ? t1 : high;
+        t0[n] = t0[n] > low ? t0[n] : low;
+        t1[n] = t1[n] < high ? t1[n] : high;
     }
-    *out_t0 = t0;
-    *out_t1 = t1;
-    return t1 > t0;
 }
 
-/* Rays of a tile, in blocks of 4 x 4. */
-static inline size_t frame_aim(const frame *self, size_t column, size_t row, frame_ray_tile *tile,
-                               uint32_t *pixel)
+/* Rays of 4 x 4 pixels at entry `at` of a tile; false: none meets the box. */
+static inline bool frame_aim_block(const frame *self, uint32_t column, uint32_t row,
+                                   frame_ray_tile *tile, size_t at)
 {
     const float unit = 0.72f / (float)self->height;
     const float left = 0.5f - 0.5f * (float)self->width, top = 0.5f * (float)self->height - 0.5f;
+    float *const t0 = tile->numbers[6] + at, *const t1 = tile->numbers[7] + at;
+    bool any = false;
+    for (uint32_t n = 0; n < 16; n++) {
+        const uint32_t x = column + n % 4, y = row + n / 4;
+        tile->numbers[3][at + n] = ((float)x + left) * unit;
+        tile->numbers[4][at + n] = (top - (float)y) * unit;
+        tile->numbers[5][at + n] = -1.0f;
+        tile->numbers[8][at + n] = 0.0625f * (float)((x * 5 + y * 7) % 16);
+        t0[n] = 0.0f;
+        t1[n] = 1e30f;
+    }
+    for (int axis = 0; axis < 3; axis++) {
+        frame_clip(self->box.observer[axis], tile->numbers[3 + axis] + at, t0, t1);
+        for (int n = 0; n < 16; n++) {
+            tile->numbers[axis][at + (size_t)n] = self->box.observer[axis];
+        }
+    }
+    for (int n = 0; n < 16; n++) {
+        any = any || t1[n] > t0[n];
+    }
+    return any;
+}
+
+/* Blocks of a tile that meet the box. */
+static inline size_t frame_aim(const frame *self, size_t column, size_t row, frame_ray_tile *tile,
+                               uint32_t *first)
+{
+    enum { ACROSS = FRAME_TILE / 4 };
     size_t count = 0;
-    for (uint32_t n = 0; n < FRAME_RAYS; n++) {
-        const uint32_t block = n / 16, across = FRAME_TILE / 4;
-        const uint32_t x = (uint32_t)column + block % across * 4 + n % 4;
-        const uint32_t y = (uint32_t)row + block / across * 4 + n / 4 % 4;
-        const float dir[3] = {((float)x + left) * unit, (top - (float)y) * unit, -1.0f};
-        if (x >= self->width || y >= self->height ||
-            !frame_aim_ray(self, dir, &tile->numbers[6][count], &tile->numbers[7][count])) {
-            continue;
+    for (uint32_t block = 0; block < ACROSS * ACROSS; block++) {
+        const uint32_t x = (uint32_t)column + block % ACROSS * 4;
+        const uint32_t y = (uint32_t)row + block / ACROSS * 4;
+        if (x < self->width && y < self->height && frame_aim_block(self, x, y, tile, count * 16)) {
+            first[count++] = y * (uint32_t)self->width + x;
         }
-        for (int axis = 0; axis < 3; axis++) {
-            tile->numbers[axis][count] = self->box.observer[axis];
-            tile->numbers[3 + axis][count] = dir[axis];
-        }
-        tile->numbers[8][count] = 0.0625f * (float)((x * 5 + y * 7) % 16);
-        pixel[count++] = y * (uint32_t)self->width + x;
     }
     return count;
+}
+
+/* Of a block, whose first pixel is `first`; width and height are multiples of 4. */
+static inline size_t frame_show_block(frame *self, const frame_ray_tile *tile, size_t at,
+                                      size_t first)
+{
+    size_t hits = 0;
+    for (size_t n = 0; n < 16; n++) {
+        const size_t pixel = 3 * (first + n / 4 * self->width + n % 4);
+        for (size_t c = 0; c < 3; c++) {
+            self->picture[pixel + c] = tile->out[c][at + n];
+            self->through[pixel + c] = tile->out[3 + c][at + n];
+        }
+        hits += tile->numbers[7][at + n] > tile->numbers[6][at + n] ? 1 : 0;
+    }
+    return hits;
 }
 
 static inline void frame_march_tile(void *user, size_t index, size_t worker)
 {
     frame *const self = user;
     frame_ray_tile *const tile = self->tiles[worker];
-    uint32_t pixel[FRAME_RAYS];
+    uint32_t first[FRAME_RAYS / 16];
     const size_t across = (self->width + FRAME_TILE - 1) / FRAME_TILE;
     const size_t count =
-        frame_aim(self, index % across * FRAME_TILE, index / across * FRAME_TILE, tile, pixel);
+        frame_aim(self, index % across * FRAME_TILE, index / across * FRAME_TILE, tile, first);
     float(*const n)[FRAME_RAYS] = tile->numbers, (*const out)[FRAME_RAYS] = tile->out;
     const air_volume_rays rays = {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6], n[7], n[8]};
     float *const radiance[3] = {out[0], out[1], out[2]}, *const left[3] = {out[3], out[4], out[5]};
-    if (count > 0) {
-        air_volume_march(self->context, &self->volume, &rays, count, FRAME_MARCH, radiance, left);
-    }
+    size_t hits = 0;
+    air_volume_march(self->context, &self->volume, &rays, count * 16, FRAME_MARCH, radiance, left);
     for (size_t i = 0; i < count; i++) {
-        for (size_t c = 0; c < 3; c++) {
-            self->picture[(size_t)3 * pixel[i] + c] = out[c][i];
-            self->through[(size_t)3 * pixel[i] + c] = out[3 + c][i];
-        }
+        hits += frame_show_block(self, tile, 16 * i, first[i]);
     }
-    __atomic_fetch_add(&self->hits, count, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&self->hits, hits, __ATOMIC_RELAXED);
 }
 
 static inline void frame_time(frame *self, int stage, double *since)

@@ -38,31 +38,36 @@ static bool is_block_empty(const air_volume *volume, size_t x, size_t y, size_t 
     return true;
 }
 
-/* One more than the least of the 13 neighbours that come before in the order of `way`. */
-static float from_before(const float *out, const ptrdiff_t count[3], const ptrdiff_t at[3],
-                         ptrdiff_t way)
+/* One more than the least of three of a row that came before. */
+static void spread_row(const float *before, size_t count, float *row)
 {
-    float nearest = MOST;
-    for (ptrdiff_t n = 0; n < 13; n++) {
-        const ptrdiff_t x = at[0] + way * (n % 3 - 1), y = at[1] + way * (n / 3 % 3 - 1);
-        const ptrdiff_t z = at[2] + way * (n / 9 - 1);
-        if (x >= 0 && x < count[0] && y >= 0 && y < count[1] && z >= 0 && z < count[2]) {
-            const float there = out[(z * count[1] + y) * count[0] + x] + 1.0f;
-            nearest = there < nearest ? there : nearest;
-        }
+    for (size_t i = 0; i < count; i++) {
+        const float low = before[i > 0 ? i - 1 : i], high = before[i + 1 < count ? i + 1 : i];
+        row[i] = float_min(row[i], float_min(before[i], float_min(low, high)) + 1.0f);
     }
-    return nearest;
 }
 
-/* Chessboard distances, forth and back [Rosenfeld1966]. */
+/* Chessboard distances from what came before in the order of `way` [Rosenfeld1966]: a row of
+ * blocks from its like one slab before and that one's neighbours, from the row before in its slab,
+ * and along itself. */
 static void spread(const ptrdiff_t count[3], ptrdiff_t way, float *out)
 {
-    const ptrdiff_t all = count[0] * count[1] * count[2];
-    for (ptrdiff_t n = 0; n < all; n++) {
-        const ptrdiff_t i = way > 0 ? n : all - 1 - n;
-        const ptrdiff_t at[3] = {i % count[0], i / count[0] % count[1], i / count[0] / count[1]};
-        const float found = out[i] > 0.0f ? from_before(out, count, at, way) : 0.0f;
-        out[i] = found < out[i] ? found : out[i];
+    for (ptrdiff_t n = 0; n < count[1] * count[2]; n++) {
+        const ptrdiff_t at = way > 0 ? n : count[1] * count[2] - 1 - n;
+        const ptrdiff_t y = at % count[1], z = at / count[1], line = count[0];
+        float *const row = out + at * line;
+        for (ptrdiff_t side = -1; side <= 1; side++) {
+            if (z - way >= 0 && z - way < count[2] && y + side >= 0 && y + side < count[1]) {
+                spread_row(row + (side - way * count[1]) * line, (size_t)line, row);
+            }
+        }
+        if (y - way >= 0 && y - way < count[1]) {
+            spread_row(row - way * line, (size_t)line, row);
+        }
+        for (ptrdiff_t i = 1; i < line; i++) {
+            float *const next = way > 0 ? row + i : row + line - 1 - i;
+            *next = float_min(*next, next[-way] + 1.0f);
+        }
     }
 }
 

@@ -74,6 +74,7 @@ static inline lanes gather(const float *from, lane_ints at)
 }
 
 static inline float least_of(lanes a) { return _mm512_reduce_min_ps(a); }
+static inline uint32_t bits_of(lane_mask a) { return a; }
 
 static inline lanes unpack_low(lanes a, lanes b) { return _mm512_unpacklo_ps(a, b); }
 static inline lanes unpack_high(lanes a, lanes b) { return _mm512_unpackhi_ps(a, b); }
@@ -120,6 +121,8 @@ static inline lanes gather(const float *from, lane_ints at)
     return _mm256_i32gather_ps(from, (__m256i)at, 4);
 }
 
+static inline uint32_t bits_of(lane_mask a) { return (uint32_t)_mm256_movemask_ps(a); }
+
 static inline float least_of(lanes a)
 {
     const __m128 four = _mm_min_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
@@ -160,6 +163,8 @@ static inline lanes gather(const float *from, lane_ints at)
 {
     return _mm_setr_ps(from[at[0]], from[at[1]], from[at[2]], from[at[3]]);
 }
+
+static inline uint32_t bits_of(lane_mask a) { return (uint32_t)_mm_movemask_ps(a); }
 
 static inline float least_of(lanes a)
 {
@@ -315,95 +320,141 @@ static inline lanes left_of(const march *m, lanes sigma_t)
     return march_exp(lanes_all(0.0f) - lanes_min(sigma_t * m->metres, lanes_all(87.0f)));
 }
 
-/* How many steps from `at` on look at nothing but empty voxels, for all rays: until one comes into
- * a block that may not be empty. */
-static uint32_t next_of_nothing(const march *m, lanes at)
+/* Steps whose bits are worked through together. */
+enum { BITS = 64 };
+
+/* Between which planes all rays are at the first and the last step; from step to step between
+ * planes on the lines through these: the least of lines lies above its chord. */
+typedef struct bounds {
+    float low[3], high[3];           /* at the first step, voxels */
+    float low_step[3], high_step[3]; /* more with each */
+} bounds;
+
+static bounds find_bounds(const march *m, uint32_t steps)
 {
-    const lanes none = lanes_all(0.0f), one = lanes_all(1.0f);
+    const lanes none = lanes_all(0.0f), far = lanes_all(1e9f), count = lanes_all((float)steps);
+    const lane_mask goes = lanes_less(none, m->metres); /* others may be anywhere */
+    bounds out;
+    for (int axis = 0; axis < 3; axis++) {
+        const lanes first = m->start[axis], last = lanes_madd(count, m->step[axis], first);
+        const float margin = 0.01f; /* for roundings */
+        out.low[axis] = least_of(lanes_select(goes, first, far)) - margin;
+        out.high[axis] = margin - least_of(lanes_select(goes, none - first, far));
+        const float low = least_of(lanes_select(goes, last, far)) - margin;
+        const float high = margin - least_of(lanes_select(goes, none - last, far));
+        out.low_step[axis] = (low - out.low[axis]) / (float)steps;
+        out.high_step[axis] = (high - out.high[axis]) / (float)steps;
+    }
+    return out;
+}
+
+/* Of which of LANES steps from `first` on any ray may see what is not empty: blocks away from the
+ * middle of the bounds' are not fewer than the nearest such is. */
+static inline uint32_t look_ahead(const march *m, const bounds *around, lanes step)
+{
+    const lanes none = lanes_all(0.0f), scale = lanes_all(1.0f / AIR_VOLUME_BLOCK);
     const int32_t row = (int32_t)volume_blocks(m->volume->size[0]);
     const int32_t strides[3] = {1, row, row * (int32_t)volume_blocks(m->volume->size[1])};
     lane_ints block = {0};
-    lanes ahead[3], room = lanes_all(1e6f);
-    for (int axis = 0; axis < 3; axis++) { /* of the block, what is ahead */
-        const lanes position = lanes_madd(at, m->step[axis], m->start[axis]);
-        const lanes held = lanes_min(lanes_max(position, none), m->low[axis]);
-        const lanes place = held * lanes_all(1.0f / AIR_VOLUME_BLOCK);
-        const lane_ints whole = __builtin_convertvector(place, lane_ints);
-        const lanes share = place - __builtin_convertvector(whole, lanes);
-        ahead[axis] = lanes_select(lanes_less(none, m->step[axis]), one - share, share);
-        block += whole * strides[axis];
-    }
-    const lanes away = gather(m->volume->empty, block) - one;
+    lanes away = none;
     for (int axis = 0; axis < 3; axis++) {
-        const lanes blocks = lanes_max(ahead[axis] + away, none);
-        const lanes speed = lanes_max(lanes_abs(m->step[axis]), lanes_all(1e-6f));
-        room =
-            lanes_min(room, blocks * lanes_all(0.9999f * AIR_VOLUME_BLOCK) * lanes_inverse(speed));
+        lanes ends[2] = {
+            lanes_madd(step, lanes_all(around->low_step[axis]), lanes_all(around->low[axis])),
+            lanes_madd(step, lanes_all(around->high_step[axis]), lanes_all(around->high[axis]))};
+        for (int i = 0; i < 2; i++) {
+            ends[i] = lanes_min(lanes_max(ends[i], none), m->low[axis]) * scale;
+        }
+        const lane_ints middle =
+            __builtin_convertvector((ends[0] + ends[1]) * lanes_all(0.5f), lane_ints);
+        const lane_ints low = middle - __builtin_convertvector(ends[0], lane_ints);
+        const lane_ints high = __builtin_convertvector(ends[1], lane_ints) - middle;
+        away = lanes_max(away, lanes_max(__builtin_convertvector(low, lanes),
+                                         __builtin_convertvector(high, lanes)));
+        block += middle * strides[axis];
     }
-    return (uint32_t)least_of(room);
+    return ~bits_of(lanes_less(away, gather(m->volume->empty, block)));
 }
 
-/* From one such block to the next. */
-static uint32_t steps_of_nothing(const march *m, uint32_t step, uint32_t steps)
+/* Of BITS steps from `first` on; those beyond `steps` are none. */
+static uint64_t steps_to_take(const march *m, const bounds *around, uint32_t first, uint32_t steps)
 {
-    uint32_t all = 0, more = m->volume->empty != NULL ? 1 : 0;
-    while (more > 0 && step + all < steps) {
-        more = next_of_nothing(m, lanes_all((float)(step + all)));
-        all += more;
+    const uint64_t none = 0, all = ~none;
+    uint64_t bits = m->volume->empty != NULL ? none : all;
+    float numbers[LANES];
+    for (int i = 0; i < LANES; i++) {
+        numbers[i] = (float)i;
     }
-    return all;
+    for (uint32_t n = 0; n < BITS && m->volume->empty != NULL; n += LANES) {
+        const lanes step = lanes_load(numbers) + lanes_all((float)(first + n));
+        bits |= (look_ahead(m, around, step) & ((1ull << LANES) - 1)) << n;
+    }
+    return steps - first < BITS ? bits & (all >> (BITS - (steps - first))) : bits;
+}
+
+static inline uint32_t first_of(uint64_t bits) { return (uint32_t)__builtin_ctzll(bits); }
+
+/* One step further; false: nothing of the light is left. */
+static inline bool add_grey(const march *m, const lanes voxel[NUMBERS], carried *light)
+{
+    const lanes one = lanes_all(1.0f);
+    const lanes left = left_of(m, voxel[3]), gain = light->through[0] * (one - left);
+    for (int i = 0; i < 3; i++) {
+        light->radiance[i] = lanes_madd(gain, voxel[i], light->radiance[i]);
+    }
+    light->through[0] = light->through[0] * left;
+    return mask_any(lanes_less(lanes_all(LEAST_THROUGH), light->through[0]));
 }
 
 static inline void march_grey(const march *m, uint32_t steps, bool paired, carried *out)
 {
-    const lanes one = lanes_all(1.0f);
+    const bounds around = find_bounds(m, steps);
     carried light = *out; /* in registers */
-    uint32_t step = steps_of_nothing(m, 0, steps);
-    corner c[2];
-    find_corner(m, lanes_all((float)step), &c[0]);
-    for (int turn = 0; step < steps; step++, turn ^= 1) {
-        lanes voxel[NUMBERS];
-        find_corner(m, lanes_all((float)(step + 1)), &c[turn ^ 1]); /* ahead: it takes long */
-        sample(m, m->volume->voxels, &c[turn], paired, voxel);
-        if (!mask_any(lanes_less(lanes_all(0.0f), voxel[3]))) {
-            const uint32_t more = steps_of_nothing(m, step, steps);
-            if (more > 0) {
-                step += more;
-                find_corner(m, lanes_all((float)(step + 1)), &c[turn ^ 1]);
+    bool going = true;
+    for (uint32_t first = 0; first < steps && going; first += BITS) {
+        uint64_t bits = steps_to_take(m, &around, first, steps);
+        corner c[2];
+        if (bits != 0) {
+            find_corner(m, lanes_all((float)(first + first_of(bits))), &c[0]);
+        }
+        for (int turn = 0; bits != 0 && going; turn ^= 1) {
+            lanes voxel[NUMBERS];
+            bits &= bits - 1;
+            if (bits != 0) { /* ahead: it takes long */
+                find_corner(m, lanes_all((float)(first + first_of(bits))), &c[turn ^ 1]);
             }
-            continue;
-        }
-        const lanes left = left_of(m, voxel[3]), gain = light.through[0] * (one - left);
-        for (int i = 0; i < 3; i++) {
-            light.radiance[i] = lanes_madd(gain, voxel[i], light.radiance[i]);
-        }
-        light.through[0] = light.through[0] * left;
-        if (!mask_any(lanes_less(lanes_all(LEAST_THROUGH), light.through[0]))) {
-            break;
+            sample(m, m->volume->voxels, &c[turn], paired, voxel);
+            going = add_grey(m, voxel, &light);
         }
     }
     *out = light;
     out->through[1] = out->through[2] = light.through[0];
 }
 
-static void march_coloured(const march *m, uint32_t steps, carried *light)
+static inline bool add_coloured(const march *m, const corner *c, carried *light)
 {
     const lanes one = lanes_all(1.0f);
-    lanes at = lanes_all(0.0f);
-    for (uint32_t step = 0; step < steps; step++, at = at + one) {
-        corner c;
-        lanes j[NUMBERS], sigma_t[NUMBERS], most = lanes_all(0.0f);
-        find_corner(m, at, &c);
-        sample(m, m->volume->voxels, &c, false, j);
-        sample(m, m->volume->voxels + NUMBERS, &c, false, sigma_t);
-        for (int i = 0; i < 3; i++) {
-            const lanes left = left_of(m, sigma_t[i]), through = light->through[i];
-            light->radiance[i] = lanes_madd(through * (one - left), j[i], light->radiance[i]);
-            light->through[i] = through * left;
-            most = lanes_max(most, light->through[i]);
-        }
-        if (!mask_any(lanes_less(lanes_all(LEAST_THROUGH), most))) {
-            break;
+    lanes j[NUMBERS], sigma_t[NUMBERS], most = lanes_all(0.0f);
+    sample(m, m->volume->voxels, c, false, j);
+    sample(m, m->volume->voxels + NUMBERS, c, false, sigma_t);
+    for (int i = 0; i < 3; i++) {
+        const lanes left = left_of(m, sigma_t[i]), through = light->through[i];
+        light->radiance[i] = lanes_madd(through * (one - left), j[i], light->radiance[i]);
+        light->through[i] = through * left;
+        most = lanes_max(most, light->through[i]);
+    }
+    return mask_any(lanes_less(lanes_all(LEAST_THROUGH), most));
+}
+
+static void march_coloured(const march *m, uint32_t steps, carried *light)
+{
+    const bounds around = find_bounds(m, steps);
+    bool going = true;
+    for (uint32_t first = 0; first < steps && going; first += BITS) {
+        uint64_t bits = steps_to_take(m, &around, first, steps);
+        for (; bits != 0 && going; bits &= bits - 1) {
+            corner c;
+            find_corner(m, lanes_all((float)(first + first_of(bits))), &c);
+            going = add_coloured(m, &c, light);
         }
     }
 }
