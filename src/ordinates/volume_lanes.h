@@ -247,7 +247,6 @@ static inline void find_corner(const march *m, lanes at, corner *out)
         base += low * m->stride[axis];
     }
     memcpy(out->base, &base, sizeof base);
-    __asm__("" : "+m"(out->base)); /* to be read from there: taking lanes out costs more */
 }
 
 /* ---- voxels ---- */
@@ -297,9 +296,12 @@ static inline void transpose(lanes first, lanes second, lanes third, lanes fourt
     out[3] = unpack_high2(b, d);
 }
 
-static inline void sample(const march *m, const float *voxels, const corner *c, bool paired,
+static inline void sample(const march *m, const float *voxels, corner *c, bool paired,
                           lanes out[NUMBERS])
 {
+    /* To be read from there and now: compilers would take lanes out of the vector, or work all
+     * addresses out beforehand and have to put them by. */
+    __asm__("" : "+m"(c->base));
     if (paired) { /* written out: all of it stays in registers */
         transpose(sample_pairs(m, voxels, c, 0), sample_pairs(m, voxels, c, 1),
                   sample_pairs(m, voxels, c, 2), sample_pairs(m, voxels, c, 3), out);
@@ -430,7 +432,7 @@ static inline void march_grey(const march *m, uint32_t steps, bool paired, carri
     out->through[1] = out->through[2] = light.through[0];
 }
 
-static inline bool add_coloured(const march *m, const corner *c, carried *light)
+static inline bool add_coloured(const march *m, corner *c, carried *light)
 {
     const lanes one = lanes_all(1.0f);
     lanes j[NUMBERS], sigma_t[NUMBERS], most = lanes_all(0.0f);
