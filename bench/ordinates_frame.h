@@ -460,7 +460,7 @@ static inline void frame_seen_slab(void *user, size_t k, size_t worker)
     for (size_t cell = k * slab; cell < (k + 1) * slab; cell++) { /* J; sigma_s / sigma_t is even */
         float *const at = self->light + cell * 4;
         for (int c = 0; c < 3; c++) {
-            at[c] = fmaxf(0.0f, frame_albedo * at[c]);
+            at[c] = at[c] > 0.0f ? frame_albedo * at[c] : 0.0f;
         }
         at[3] = self->sigma_s[cell] + self->sigma_a[cell];
     }
