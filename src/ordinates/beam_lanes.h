@@ -10,7 +10,8 @@ typedef uint32_t lane_bits __attribute__((vector_size(4 * LANES)));
 
 enum { CELLS = LANES / BEAM_CHANNELS, BYTES = BEAM_CHANNELS * sizeof(float) };
 
-/* exp(x) for x in [-80, 80]: see core/exponential.h; relative error 3e-7. */
+/* exp(x) for x in [-80, 80], beyond which it is anything: see core/exponential.h; relative error
+ * 3e-7. */
 static inline lanes beam_exp(lanes x)
 {
     const lanes magic = lanes_all(0x1.8p23f), one = lanes_all(1.0f);
