@@ -48,7 +48,7 @@ static float *linear_cells(const size_t size[3], float sigma)
 static air_volume make_volume(size_t x, size_t y, size_t z, bool coloured)
 {
     air_volume out = {
-        {x, y, z}, {1.0f / (float)x, 1.0f / (float)y, 1.0f / (float)z}, coloured, NULL};
+        {x, y, z}, {1.0f / (float)x, 1.0f / (float)y, 1.0f / (float)z}, coloured, NULL, NULL};
     out.voxels = numbers(x * y * z * 8);
     return out;
 }
