@@ -219,6 +219,35 @@ static void what_is_refused_changes_nothing(void **state)
 
 /* ---- what is set ---- */
 
+static void a_solution_goes_on_from_the_moments_it_had(void **state)
+{
+    air_context *const context = box_context(AIR_CPU_AUTO, 1);
+    box fog = box_random(4, 4, 8, 4);
+    const size_t bytes = fog.cells * fog.moments * AIR_DOM_STRIDE * sizeof(float);
+    air_dom *const one = box_make(context, &fog), *const other = box_make(context, &fog);
+    (void)state;
+    (void)box_solve(one, 5, 0.0, 0);
+    float *const middle = box_moments(one, &fog);
+    (void)box_solve(one, 2, 0.0, 0);
+    assert_int_equal(air_dom_set_moments(other, middle), AIR_OK);
+    (void)box_solve(other, 2, 0.0, 0);
+    float *const ends[2] = {box_moments(one, &fog), box_moments(other, &fog)};
+    assert_memory_equal(ends[0], ends[1], bytes);
+    middle[0] = -1.0f;
+    assert_refused(context, air_dom_set_moments(other, middle), "solution: cell 0, moment 0");
+    assert_int_equal(air_dom_set_moments(other, NULL), AIR_OK);
+    air_dom_moments(other, middle);
+    memset(ends[0], 0, bytes);
+    assert_memory_equal(middle, ends[0], bytes);
+    free(middle);
+    free(ends[0]);
+    free(ends[1]);
+    air_dom_destroy(one);
+    air_dom_destroy(other);
+    box_finish(&fog);
+    air_context_destroy(context);
+}
+
 static void a_medium_keeps_the_solution(void **state)
 {
     air_context *const context = box_context(AIR_CPU_AUTO, 1);
@@ -460,6 +489,7 @@ int main(void)
         cmocka_unit_test(the_peak_is_the_last_mean),
         cmocka_unit_test(wrong_params_are_named),
         cmocka_unit_test(what_is_refused_changes_nothing),
+        cmocka_unit_test(a_solution_goes_on_from_the_moments_it_had),
         cmocka_unit_test(a_medium_keeps_the_solution),
         cmocka_unit_test(legendre_means_are_as_good_as_g),
         cmocka_unit_test(no_light_gives_none),

@@ -151,6 +151,11 @@ AIR_API air_status air_dom_solve(air_dom *dom, const air_dom_solve_params *param
 /* Moments of the scattered radiance, size[0] * size[1] * size[2] * bands^2 * 4 floats to out. */
 AIR_API void air_dom_moments(const air_dom *dom, float *out);
 
+/* What the next solve begins from, in place of the solution before: moments as air_dom_moments
+ * gives them; copied. NULL: no light. AIR_ERROR_ARGUMENT: as air_dom_set_light; the solution is
+ * then as before. */
+AIR_API air_status air_dom_set_moments(air_dom *dom, const float *moments);
+
 /* Moments of what is scattered in each cell per metre, over sigma_s: the source function towards a
  * direction of travel v is sigma_s times their sum with y_lm(v). Of light that was scattered
  * before; that of unscattered light is the caller's, with the whole phase function. */

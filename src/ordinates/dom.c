@@ -425,6 +425,7 @@ static air_status check_moments(const air_dom *dom, const float *moments, size_t
 /* What is given and where it comes from or goes to: k by k. */
 typedef struct transfer {
     const air_dom *dom;
+    const dom_array *array;
     const float *from;
     float *to;
 } transfer;
@@ -439,25 +440,36 @@ static void take_slab(void *user, size_t k, size_t worker)
         four value = four_load(self->from + moment_place(dom, i * AIR_DOM_STRIDE, i % count));
         value[3] = 0.0f;
         for (size_t c = 0; c < AIR_DOM_STRIDE && dom->number != sizeof(float); c++) {
-            dom->light.d[i * AIR_DOM_STRIDE + c] = (double)value[c];
+            self->array->d[i * AIR_DOM_STRIDE + c] = (double)value[c];
         }
         if (dom->number == sizeof(float)) {
-            four_store(dom->light.f + i * AIR_DOM_STRIDE, value);
+            four_store(self->array->f + i * AIR_DOM_STRIDE, value);
         }
     }
 }
 
-air_status air_dom_set_light(air_dom *dom, const float *moments)
+/* Puts callers' moments of all cells, NULL: 0, into an array of ours. */
+static air_status put_moments(air_dom *dom, const float *moments, const char *what, dom_array *out)
 {
-    transfer given = {.dom = dom, .from = moments};
+    transfer given = {.dom = dom, .array = out, .from = moments};
     const air_status status =
-        moments != NULL ? check_moments(dom, moments, dom->cells, "light") : AIR_OK;
+        moments != NULL ? check_moments(dom, moments, dom->cells, what) : AIR_OK;
     if (moments == NULL) {
-        memset(dom->light.any, 0, dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE * dom->number);
+        memset(out->any, 0, dom->cells * (size_t)dom->moments * AIR_DOM_STRIDE * dom->number);
     } else if (status == AIR_OK) {
         air_parallel_for(dom->context, dom->params.size[2], take_slab, &given);
     }
     return status;
+}
+
+air_status air_dom_set_light(air_dom *dom, const float *moments)
+{
+    return put_moments(dom, moments, "light", &dom->light);
+}
+
+air_status air_dom_set_moments(air_dom *dom, const float *moments)
+{
+    return put_moments(dom, moments, "solution", &dom->field);
 }
 
 /* Direction o of an octant. */
