@@ -20,7 +20,7 @@ static air_snapshot *make_scene(air_context *context, const grid_scene *s)
 static ord_domain make_domain(const air_snapshot *snapshot, uint32_t cells)
 {
     ord_domain domain;
-    assert_int_equal(ord_domain_place(snapshot, cells, &domain), AIR_OK);
+    assert_int_equal(ord_domain_place(snapshot, cells, NULL, &domain), AIR_OK);
     assert_int_equal(ord_domain_fill(&domain), AIR_OK);
     return domain;
 }
@@ -184,11 +184,11 @@ static void media_that_only_glow_or_are_nothing_have_no_cells(void **state)
     air_context *context = make_context(1, NULL);
     air_snapshot *snapshot = commit(context, media, 2);
     ord_domain domain;
-    assert_int_equal(ord_domain_place(snapshot, 4, &domain), AIR_OK);
+    assert_int_equal(ord_domain_place(snapshot, 4, NULL, &domain), AIR_OK);
     assert_int_equal(domain.size[0], 4);
     air_snapshot_release(snapshot);
     snapshot = commit(context, &media[1], 1);
-    assert_int_equal(ord_domain_place(snapshot, 4, &domain), AIR_ERROR_ARGUMENT);
+    assert_int_equal(ord_domain_place(snapshot, 4, NULL, &domain), AIR_ERROR_ARGUMENT);
     air_snapshot_release(snapshot);
     air_context_destroy(context);
 }
@@ -314,19 +314,19 @@ static void the_box_rests_while_smoke_moves_within_its_lattice(void **state)
     ord_domain first, later;
     air_snapshot *a = commit_grid(context, low, high, 1.0f, false);
     air_snapshot *b = commit_grid(context, low, high, 1e-9f, false);
-    assert_int_equal(ord_domain_place(a, 10, &first), AIR_OK);
+    assert_int_equal(ord_domain_place(a, 10, NULL, &first), AIR_OK);
     air_snapshot_release(a);
     a = commit_grid(context, low, high, 0.2f, false);
-    assert_int_equal(ord_domain_place(a, 10, &later), AIR_OK);
+    assert_int_equal(ord_domain_place(a, 10, NULL, &later), AIR_OK);
     assert_memory_equal(first.origin, later.origin, sizeof first.origin);
     assert_true(first.cell_m == later.cell_m);
     air_snapshot_release(a);
     a = commit_grid(context, later_low, high, 1.0f, false);
-    assert_int_equal(ord_domain_place(a, 10, &later), AIR_OK);
+    assert_int_equal(ord_domain_place(a, 10, NULL, &later), AIR_OK);
     /* 13 of the lattice's lengths in 10 cells of 1.4: half of what is left is on either side. */
     assert_near((double)(later.origin[0] - first.origin[0]), 0.5 / 32.0, 1e-6);
     /* What is nowhere worth mention has the whole box. */
-    assert_int_equal(ord_domain_place(b, 10, &later), AIR_OK);
+    assert_int_equal(ord_domain_place(b, 10, NULL, &later), AIR_OK);
     assert_near((double)later.origin[0], 0.0, 1e-6);
     assert_near((double)later.cell_m, 0.1, 1e-6);
     air_snapshot_release(a);
@@ -359,7 +359,7 @@ static air_status try_domain(air_context *context, void *user)
     ord_domain domain;
     air_status status = grid_scene_make(context, user, &snapshot);
     if (status == AIR_OK) {
-        status = ord_domain_place(snapshot, 3, &domain);
+        status = ord_domain_place(snapshot, 3, NULL, &domain);
         assert_int_equal(status, AIR_OK);
         status = ord_domain_fill(&domain);
         ord_domain_finish(&domain);

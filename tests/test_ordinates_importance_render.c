@@ -20,7 +20,7 @@ static looking begin(const grid_scene *s)
     looking l;
     l.context = make_context(1, NULL);
     assert_int_equal(grid_scene_make(l.context, s, &l.snapshot), AIR_OK);
-    assert_int_equal(ord_domain_place(l.snapshot, 8, &l.domain), AIR_OK);
+    assert_int_equal(ord_domain_place(l.snapshot, 8, NULL, &l.domain), AIR_OK);
     assert_int_equal(ord_domain_fill(&l.domain), AIR_OK);
     air_camera_view_init(&l.snapshot->cameras[0], WIDTH, HEIGHT, &l.view);
     return l;
@@ -62,17 +62,24 @@ static void the_map_before_is_mostly_kept(void **state)
     looking l = begin(&haze);
     float map[ORD_IMPORTANCE_TEXELS], before[ORD_IMPORTANCE_TEXELS], out[ORD_IMPORTANCE_TEXELS];
     bool made;
+    ord_past past;
+    ord_past_init(l.context, &past);
     for (size_t i = 0; i < ORD_IMPORTANCE_TEXELS; i++) {
         before[i] = (float)(i % 7);
     }
+    ord_past_begin(&past);
+    ord_past_mix_importance(&past, before);
+    ord_past_end(&past, &l.domain);
+    ord_past_begin(&past);
     assert_int_equal(ord_importance_make(&l.domain, &l.view, WIDTH, HEIGHT, NULL, map, &made),
                      AIR_OK);
-    assert_int_equal(ord_importance_make(&l.domain, &l.view, WIDTH, HEIGHT, before, out, &made),
+    assert_int_equal(ord_importance_make(&l.domain, &l.view, WIDTH, HEIGHT, &past, out, &made),
                      AIR_OK);
     for (size_t i = 0; i < ORD_IMPORTANCE_TEXELS; i++) {
         /* one multiplication and addition in float */
         assert_true(fabsf(out[i] - (0.8f * before[i] + 0.2f * map[i])) <= 1e-6f * (6.0f + map[i]));
     }
+    ord_past_finish(&past);
     end(&l);
 }
 

@@ -184,10 +184,10 @@ static shone shine(const patch_scene *s, uint32_t patches)
     air_render_params_default(&params);
     assert_int_equal(air_owner_table_create(context, snapshot, "ordinates", &owners), AIR_OK);
     assert_int_equal(air_path_init(&path, snapshot, &sobol, &settings), AIR_OK);
-    assert_int_equal(ord_domain_place(snapshot, 8, &domain), AIR_OK);
+    assert_int_equal(ord_domain_place(snapshot, 8, NULL, &domain), AIR_OK);
     float *extinction = calloc(domain.cells * 4, sizeof *extinction); /* nothing is lost */
     const ord_space space = {&path, &domain, extinction};
-    const ord_lighting lighting = {&path, owners, &params.ordinates, NULL};
+    const ord_lighting lighting = {&path, owners, &params.ordinates, NULL, NULL};
     ord_source_list list = {.context = context};
     assert_int_equal(ord_photons_shoot(&lighting, &space, 2, &photons), AIR_OK);
     for (size_t i = 0; i < photons.count * photons.rounds; i++) {

@@ -76,7 +76,8 @@ static blurred make_blurred(const sky_scene *s)
     assert_int_equal(make_snapshot(self.context, s, &self.snapshot), AIR_OK);
     assert_int_equal(air_owner_table_create(self.context, self.snapshot, "ordinates", &self.owners),
                      AIR_OK);
-    assert_int_equal(ord_sky_make(self.snapshot, self.owners, phase, s->share, &self.sky), AIR_OK);
+    assert_int_equal(ord_sky_make(self.snapshot, self.owners, phase, s->share, NULL, &self.sky),
+                     AIR_OK);
     return self;
 }
 
@@ -305,7 +306,7 @@ static air_status try_sky(air_context *context, void *user)
         status = air_owner_table_create(context, snapshot, "ordinates", &owners);
     }
     if (status == AIR_OK) {
-        status = ord_sky_make(snapshot, owners, phase, 0.5, &sky);
+        status = ord_sky_make(snapshot, owners, phase, 0.5, NULL, &sky);
         assert_true(status == AIR_OK || sky.maps == NULL);
         ord_sky_finish(&sky);
     }

@@ -116,6 +116,16 @@ typedef struct air_path_vertex {
 
 struct air_film;
 
+/* What lives on from picture to picture, so that the next frame of a sequence begins where the last
+ * one ended: of method ordinates the light in the cells, how these lie in the world, what the
+ * camera saw of the sky, and skies made ready. Nothing need be said about what has changed: what is
+ * kept is held against the scene at hand. A picture that is rendered with a state depends on the
+ * pictures rendered with it before, in their order, and on nothing else that is new; with a state
+ * that has seen none it is the picture without. */
+typedef struct air_render_state air_render_state;
+AIR_API air_status air_render_state_create(air_context *context, air_render_state **out_state);
+AIR_API void air_render_state_destroy(air_render_state *state); /* NULL is legal */
+
 /* Of method ordinates (docs/ordinates.md). */
 typedef struct air_ordinates_settings {
     uint32_t cells;      /* along the longest side of the media's bounds, [2, 256]; default 32 */
@@ -158,6 +168,10 @@ typedef struct air_render_params {
     const air_area_table *area_table; /* lobes of modes ltsd or mix, whichever it is for; borrowed;
                                          NULL: the library's */
     air_ordinates_settings ordinates;
+    /* Borrowed, read and changed: one render at a time, or AIR_ERROR_ARGUMENT, and with the context
+     * that it was made with. A render that fails or is interrupted while light is carried to the
+     * cells leaves it as it was. Default NULL: none. */
+    air_render_state *state;
     /* The light on surfaces that the camera sees (S0 and S+), as it was baked, instead of tracing
      * it: what a surface sends is its albedo towards the camera times irradiance / pi. S0 is the
      * layer direct, S+ the layers indirect and media, of as many bounces as were baked. With

@@ -102,7 +102,66 @@ static bool find_bounds(const air_media *media, bool dense, bounds *out)
     return found;
 }
 
-static air_status place(ord_domain *domain, uint32_t cells)
+/* Borders of media that are within so much of a cell's border are on it. */
+#define ON_BORDER 1e-3f
+
+/* A box of its own: `cells` along the longest side, in the middle of the cells of the others. */
+static void place_anew(ord_domain *domain, uint32_t cells, const bounds *box, float longest)
+{
+    domain->cell_m = longest / (float)cells;
+    for (int axis = 0; axis < 3; axis++) {
+        const float extent = box->high[axis] - box->low[axis];
+        const float count = ceilf(extent / domain->cell_m - ON_BORDER);
+        domain->size[axis] = count >= 1.0f ? (size_t)count : 1;
+        const float whole = (float)(ptrdiff_t)domain->size[axis] * domain->cell_m;
+        domain->origin[axis] = box->low[axis] - 0.5f * (whole - extent);
+        domain->lattice.base[axis] = domain->origin[axis];
+    }
+    domain->lattice.cell_m = domain->cell_m;
+    domain->lattice.cells = cells;
+}
+
+/* Of the number of cells asked for, before a lattice is given up. */
+static const float lattice_least = 0.8f, lattice_most = 1.25f;
+
+static bool lattice_serves(const ord_lattice *lattice, uint32_t cells, float longest)
+{
+    const float share = lattice != NULL && lattice->cells == cells
+                            ? longest / (lattice->cell_m * (float)cells)
+                            : 0.0f;
+    return share >= lattice_least && share <= lattice_most;
+}
+
+/* Moves the lattice along with bounds of unchanged size. */
+static void follow(ord_lattice *lattice, const bounds *box)
+{
+    bool same = true;
+    for (int axis = 0; axis < 3; axis++) {
+        const float before = lattice->high[axis] - lattice->low[axis];
+        const float change = fabsf(box->high[axis] - box->low[axis] - before);
+        same = same && change <= ON_BORDER * lattice->cell_m;
+    }
+    for (int axis = 0; axis < 3 && same; axis++) {
+        lattice->base[axis] += box->low[axis] - lattice->low[axis];
+    }
+}
+
+static void place_on(ord_domain *domain, const ord_lattice *lattice, const bounds *box)
+{
+    domain->lattice = *lattice;
+    domain->cell_m = lattice->cell_m;
+    domain->goes_on = true;
+    follow(&domain->lattice, box);
+    for (int axis = 0; axis < 3; axis++) {
+        const float base = domain->lattice.base[axis];
+        const float begin = floorf((box->low[axis] - base) / domain->cell_m + ON_BORDER);
+        const float end = ceilf((box->high[axis] - base) / domain->cell_m - ON_BORDER);
+        domain->size[axis] = end > begin ? (size_t)(end - begin) : 1;
+        domain->origin[axis] = base + begin * domain->cell_m;
+    }
+}
+
+static air_status place(ord_domain *domain, uint32_t cells, const ord_lattice *lattice)
 {
     bounds box = {{0.0f}, {0.0f}};
     float longest = 0.0f;
@@ -118,16 +177,14 @@ static air_status place(ord_domain *domain, uint32_t cells)
                         "ordinates: the media measure %g m: expected a size above 0",
                         (double)longest);
     }
-    domain->cell_m = longest / (float)cells;
-    domain->cells = 1;
-    for (int axis = 0; axis < 3; axis++) {
-        const float extent = box.high[axis] - box.low[axis];
-        const float count = ceilf(extent / domain->cell_m - 1e-3f);
-        domain->size[axis] = count >= 1.0f ? (size_t)count : 1;
-        const float whole = (float)(ptrdiff_t)domain->size[axis] * domain->cell_m;
-        domain->origin[axis] = box.low[axis] - 0.5f * (whole - extent);
-        domain->cells *= domain->size[axis];
+    if (lattice_serves(lattice, cells, longest)) {
+        place_on(domain, lattice, &box);
+    } else {
+        place_anew(domain, cells, &box, longest);
     }
+    memcpy(domain->lattice.low, box.low, sizeof box.low);
+    memcpy(domain->lattice.high, box.high, sizeof box.high);
+    domain->cells = domain->size[0] * domain->size[1] * domain->size[2];
     return AIR_OK;
 }
 
@@ -229,12 +286,13 @@ static void look_into_slab(void *user, size_t k, size_t worker)
     }
 }
 
-air_status ord_domain_place(const air_snapshot *snapshot, uint32_t cells, ord_domain *out)
+air_status ord_domain_place(const air_snapshot *snapshot, uint32_t cells,
+                            const ord_lattice *lattice, ord_domain *out)
 {
     memset(out, 0, sizeof *out);
     out->context = snapshot->context;
     out->media = &snapshot->media;
-    return place(out, cells);
+    return place(out, cells, lattice);
 }
 
 air_status ord_domain_fill(ord_domain *out)

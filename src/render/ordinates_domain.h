@@ -4,6 +4,14 @@
 
 #include "scene/snapshot.h"
 
+/* Where the cells of a box of `cells` along its longest side lie in the world, and the bounds that
+ * it was made for. cells 0: none. */
+typedef struct ord_lattice {
+    float base[3], cell_m; /* a corner of a cell */
+    uint32_t cells;
+    float low[3], high[3];
+} ord_lattice;
+
 /* World axes; cells are cubes. Planes hold one number per cell and channel. */
 typedef struct ord_domain {
     air_context *context;
@@ -11,13 +19,19 @@ typedef struct ord_domain {
     float origin[3]; /* the least corner */
     float cell_m;
     size_t size[3], cells;
+    ord_lattice lattice;
+    bool goes_on; /* on the lattice of the picture before: places count from its base */
     float *sigma_s, *sigma_a, *g; /* 3 planes each; g: mean cosine of all media's scattering */
 } ord_domain;
 
 /* The box about all media, grids only where they have density worth mention, `cells` along its
- * longest side, without coefficients: nothing to finish. AIR_ERROR_ARGUMENT: there are none, or
- * they have no size. */
-air_status ord_domain_place(const air_snapshot *snapshot, uint32_t cells, ord_domain *out);
+ * longest side, without coefficients: nothing to finish. Or on the lattice of the picture before,
+ * if it is one of so many cells and the box has a number near to it: media whose bounds grow and
+ * shrink do not take the cells along with them. Bounds that moved as a whole do: then it is the
+ * medium that moves. lattice NULL: none. AIR_ERROR_ARGUMENT: there are no media, or they have no
+ * size. */
+air_status ord_domain_place(const air_snapshot *snapshot, uint32_t cells,
+                            const ord_lattice *lattice, ord_domain *out);
 
 /* Gives a box that was placed the means of the media's coefficients. On failure it is as after
  * ord_domain_finish. */

@@ -8,14 +8,11 @@
 
 enum { ALIGNMENT = 64 };
 
-_Static_assert((int)ORD_IMPORTANCE_TEXELS == (int)AIR_IMPORTANCE_TEXELS, "the map's size");
-
 /* The pyramid is wider than the picture, for light comes in from beside it. */
 #define WIDER 1.15f
 
-/* Of 1 in the map, and of the picture before. */
+/* Of 1 in the map. */
 #define FLOOR 0.1f
-#define KEEP  0.8f
 
 typedef struct pyramid {
     float points[3 * AIR_IMPORTANCE_CELLS_ALL];
@@ -87,7 +84,7 @@ static void take_coefficients(const ord_domain *d, pyramid *self)
 }
 
 air_status ord_importance_make(const ord_domain *domain, const air_camera_view *view, size_t width,
-                               size_t height, const float *previous, float *out, bool *out_made)
+                               size_t height, ord_past *past, float *out, bool *out_made)
 {
     air_context *const context = domain->context;
     air_importance_camera camera;
@@ -111,9 +108,7 @@ air_status ord_importance_make(const ord_domain *domain, const air_camera_view *
     }
     if (status == AIR_OK) {
         air_importance_smooth(self->map, FLOOR, self->map);
-        if (previous != NULL) {
-            air_importance_blend(previous, self->map, KEEP, self->map);
-        }
+        ord_past_mix_importance(past, self->map);
         memcpy(out, self->map, sizeof self->map);
         *out_made = true;
     }

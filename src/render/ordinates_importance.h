@@ -2,17 +2,13 @@
 #ifndef AIR_RENDER_ORDINATES_IMPORTANCE_H
 #define AIR_RENDER_ORDINATES_IMPORTANCE_H
 
-#include "render/ordinates_domain.h"
+#include "render/ordinates_past.h"
 #include "scene/camera.h"
 
-/* AIR_IMPORTANCE_TEXELS, whose header does not go with that of with_ordinates.c. */
-enum { ORD_IMPORTANCE_TEXELS = 512 };
-
-/* A map for air_environment_choice.importance: ORD_IMPORTANCE_TEXELS to out. previous: that of the
- * picture before, of which most is kept, so that directions move slowly; or NULL. out may be
- * previous. *out_made is false, and out untouched, for a view without perspective or one that sees
- * nothing of the domain. */
+/* A map for air_environment_choice.importance: ORD_IMPORTANCE_TEXELS to out, mixed with that of the
+ * picture before where past (or NULL) has one. *out_made is false, and out untouched, for a view
+ * without perspective or one that sees nothing of the domain. */
 air_status ord_importance_make(const ord_domain *domain, const air_camera_view *view, size_t width,
-                               size_t height, const float *previous, float *out, bool *out_made);
+                               size_t height, ord_past *past, float *out, bool *out_made);
 
 #endif

@@ -37,7 +37,9 @@ static double solver_bytes(const air_with_ordinates *with)
         dom.size[axis] = d->size[axis];
         dom.cell_m[axis] = d->cell_m;
     }
-    return 2.0 * (double)d->cells * bands * bands * CHANNELS * sizeof(float) +
+    const double kept =
+        with->past != NULL ? 4.0 : 2.0; /* the picture's before, and the next one's */
+    return kept * (double)d->cells * bands * bands * CHANNELS * sizeof(float) +
            (double)air_dom_bytes(&dom, solve.depth);
 }
 

@@ -3,9 +3,12 @@
 #include <math.h>
 #include <string.h>
 
+#include "airlight/ordinates_lights.h"
 #include "airlight/ordinates_view.h"
 #include "core/phase.h"
+#include "render/ordinates_sources.h"
 #include "render/with_ordinates.h"
+#include "scene/fingerprint.h"
 #include "scene/lights/environment.h"
 
 enum { WIDTH = ORD_SKY_WIDTH, HEIGHT = ORD_SKY_HEIGHT, STRIDE = 4 };
@@ -96,28 +99,65 @@ static void blur_row(void *user, size_t j, size_t worker)
     }
 }
 
-static air_status make_map(ord_sky *sky, const air_light *light, air_phase phase, double share)
+/* What the blur depends on beside the picture. */
+static uint64_t blur_key(air_phase phase, double share)
 {
+    uint64_t key = air_fingerprint_add((uint64_t)phase.kind, &share, sizeof share);
+    key = air_fingerprint_add(key, &phase.g, sizeof phase.g);
+    if (phase.kind == AIR_PHASE_MIXTURE) {
+        for (size_t i = 0; i < phase.mixture->lobe_count; i++) {
+            const air_phase_lobe *const lobe = &phase.mixture->lobes[i];
+            key = air_fingerprint_add(key, lobe, sizeof *lobe);
+        }
+    }
+    return key;
+}
+
+static air_status blur_map(air_context *context, const air_light *light, air_phase phase,
+                           double share, float *out)
+{
+    float *const small = air_allocate(context, HEIGHT * WIDTH * STRIDE, sizeof *small);
+    if (small == NULL) {
+        return air_fail_memory(context, "ordinates: sky");
+    }
+    shrink(light, small);
+    blurring blur = {phase, air_seen_cap(phase, 1.0f, share), small, out};
+    air_parallel_for(context, HEIGHT, blur_row, &blur);
+    air_free(context, small);
+    return AIR_OK;
+}
+
+static air_status make_map(ord_sky *sky, const air_light *light, air_phase phase, double share,
+                           ord_past *past)
+{
+    enum { NUMBERS = HEIGHT * WIDTH * STRIDE };
     ord_sky_map *const map = &sky->maps[sky->count++];
     map->light = light;
     if (light->environment == NULL) {
         return AIR_OK;
     }
-    float *const small = air_allocate(sky->context, HEIGHT * WIDTH * STRIDE, sizeof *small);
-    map->radiance = air_allocate(sky->context, HEIGHT * WIDTH * STRIDE, sizeof *map->radiance);
-    if (small == NULL || map->radiance == NULL) {
-        air_free(sky->context, small);
+    map->radiance = air_allocate(sky->context, NUMBERS, sizeof *map->radiance);
+    if (map->radiance == NULL) {
         return air_fail_memory(sky->context, "ordinates: sky");
     }
-    shrink(light, small);
-    blurring blur = {phase, air_seen_cap(phase, 1.0f, share), small, map->radiance};
-    air_parallel_for(sky->context, HEIGHT, blur_row, &blur);
-    air_free(sky->context, small);
-    return AIR_OK;
+    if (past == NULL) {
+        return blur_map(sky->context, light, phase, share, map->radiance);
+    }
+    air_environment_map values;
+    ord_environment_map(light, &values);
+    const uint64_t key = ord_past_sky_key(&values), blur = blur_key(phase, share);
+    if (ord_past_blurred_sky(past, key, blur, map->radiance, NUMBERS)) {
+        return AIR_OK;
+    }
+    const air_status status = blur_map(sky->context, light, phase, share, map->radiance);
+    if (status == AIR_OK) {
+        ord_past_keep_blurred_sky(past, key, blur, map->radiance, NUMBERS);
+    }
+    return status;
 }
 
 air_status ord_sky_make(const air_snapshot *snapshot, const air_owner_table *owners,
-                        air_phase phase, double share, ord_sky *out)
+                        air_phase phase, double share, ord_past *past, ord_sky *out)
 {
     const air_light_table *const lights = &snapshot->lights;
     memset(out, 0, sizeof *out);
@@ -129,7 +169,7 @@ air_status ord_sky_make(const air_snapshot *snapshot, const air_owner_table *own
         if (lights->entries[i].kind == AIR_LIGHT_ENVIRONMENT &&
             air_owner_table_uses(owners, i, AIR_METHOD_ORDINATES) &&
             owners->modes[i] == AIR_ORDINATES_MODE_DOM) {
-            status = make_map(out, &lights->entries[i], phase, share);
+            status = make_map(out, &lights->entries[i], phase, share, past);
         }
     }
     if (status != AIR_OK) {

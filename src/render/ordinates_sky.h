@@ -7,6 +7,7 @@
 #ifndef AIR_RENDER_ORDINATES_SKY_H
 #define AIR_RENDER_ORDINATES_SKY_H
 
+#include "render/ordinates_past.h"
 #include "render/owner.h"
 #include "scene/snapshot.h"
 
@@ -25,9 +26,9 @@ typedef struct ord_sky {
 } ord_sky;
 
 /* The environments that the method owns, blurred by the part of the phase function that is above
- * the cap (air_seen_cap). On failure out is as after ord_sky_finish. */
+ * the cap (air_seen_cap), or as the past has them. On failure out is as after ord_sky_finish. */
 air_status ord_sky_make(const air_snapshot *snapshot, const air_owner_table *owners,
-                        air_phase phase, double share, ord_sky *out);
+                        air_phase phase, double share, ord_past *past, ord_sky *out);
 void ord_sky_finish(ord_sky *sky);
 
 /* Radiance from a direction. */

@@ -54,46 +54,45 @@ static air_status add_ordinates(const air_light *light, const air_ordinate *ordi
     return status;
 }
 
-static air_environment_map map_of(const air_light *light)
+void ord_environment_map(const air_light *light, air_environment_map *out)
 {
-    air_environment_map map;
-    air_environment_map_default(&map);
-    vec3_store(map.radiance, light->color);
+    air_environment_map_default(out);
+    vec3_store(out->radiance, light->color);
     if (light->environment != NULL) {
-        map.pixels = light->environment->pixels;
-        map.width = light->environment->width;
-        map.height = light->environment->height;
-        map.pixel_stride = light->environment->stride;
-        map.row_stride = map.pixel_stride * map.width;
+        out->pixels = light->environment->pixels;
+        out->width = light->environment->width;
+        out->height = light->environment->height;
+        out->pixel_stride = light->environment->stride;
+        out->row_stride = out->pixel_stride * out->width;
     }
-    return map;
 }
 
 static air_status add_environment(const ord_lighting *lighting, const air_light *light,
                                   ord_source_list *out)
 {
-    const air_environment_map map = map_of(light);
     const size_t count = lighting->settings->directions;
+    air_environment_map map;
     air_environment_choice choice;
     air_environment_ordinates *prepared = NULL;
     air_ordinate *const ordinates = air_allocate(out->context, count, sizeof *ordinates);
     if (ordinates == NULL) {
         return air_fail_memory(out->context, "ordinates: directions");
     }
+    ord_environment_map(light, &map);
     air_environment_choice_default(&choice);
     choice.count = count;
     choice.importance = lighting->importance;
     if (light->environment != NULL) {
         memcpy(choice.to_world, light->environment->to_world, sizeof choice.to_world);
     }
-    air_status status = air_environment_ordinates_create(out->context, &map, &prepared);
+    air_status status = ord_past_prepare_sky(lighting->past, out->context, &map, &prepared);
     if (status == AIR_OK) {
         status = air_environment_ordinates_choose(out->context, prepared, &choice, ordinates);
     }
     if (status == AIR_OK) {
         status = add_ordinates(light, ordinates, count, lighting->settings->prefilter, out);
     }
-    air_environment_ordinates_destroy(prepared);
+    ord_past_release_sky(lighting->past, prepared);
     air_free(out->context, ordinates);
     return status;
 }

@@ -7,6 +7,7 @@
 #include "airlight/ordinates_view.h"
 #include "path/path.h"
 #include "render/ordinates_domain.h"
+#include "render/ordinates_past.h"
 #include "render/owner.h"
 #include "render/with_ordinates.h"
 
@@ -41,7 +42,11 @@ typedef struct ord_lighting {
     const air_owner_table *owners;
     const air_ordinates_settings *settings;
     const float *importance; /* AIR_IMPORTANCE_TEXELS, or NULL */
+    ord_past *past;          /* or NULL */
 } ord_lighting;
+
+/* An environment as the kernels take it. */
+void ord_environment_map(const air_light *light, struct air_environment_map *out);
 
 /* All sources of the lights that the method owns. */
 air_status ord_sources_make(const ord_lighting *lighting, ord_source_list *out);

@@ -19,6 +19,8 @@ struct air_with_ordinates {
     const air_snapshot *snapshot;
     const air_path *path;
     const air_ordinates_settings *settings;
+    ord_past *past;   /* or NULL */
+    uint64_t history; /* of what was taken from there; 0: nothing */
     ord_domain domain;
     ord_sky sky;
     ord_medium *media; /* by medium */

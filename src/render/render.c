@@ -7,6 +7,7 @@
 
 #include "airlight/ordinates_dom.h"
 #include "render/picture.h"
+#include "render/render_state.h"
 
 float air_filter_radius_default(air_filter filter)
 {
@@ -249,25 +250,36 @@ static air_status run_passes(air_picture *picture, air_film *film)
     return AIR_OK;
 }
 
+static air_status make_film(air_context *context, const air_snapshot *snapshot,
+                            const air_render_params *params, air_film **out_film)
+{
+    air_picture picture;
+    air_status status = air_picture_init(&picture, context, snapshot, params);
+    if (status == AIR_OK) {
+        status = air_picture_film(&picture, out_film);
+    }
+    if (status == AIR_OK) {
+        status = run_passes(&picture, *out_film);
+    }
+    air_picture_finish(&picture);
+    return status;
+}
+
 air_status air_render(air_context *context, const air_snapshot *snapshot,
                       const air_render_params *params, air_film **out_film)
 {
-    air_picture picture;
     air_film *film = NULL;
     *out_film = NULL;
     air_status status = check(context, snapshot, params);
+    if (status == AIR_OK) {
+        status = air_render_state_enter(context, params->state);
+    }
     if (status != AIR_OK) {
         return status;
     }
     warn_of_endless_fog(context, snapshot);
-    status = air_picture_init(&picture, context, snapshot, params);
-    if (status == AIR_OK) {
-        status = air_picture_film(&picture, &film);
-    }
-    if (status == AIR_OK) {
-        status = run_passes(&picture, film);
-    }
-    air_picture_finish(&picture);
+    status = make_film(context, snapshot, params, &film);
+    air_render_state_leave(params->state);
     if (status == AIR_OK || status == AIR_ERROR_INTERRUPTED) {
         *out_film = film;
     } else {

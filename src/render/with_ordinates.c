@@ -6,6 +6,7 @@
 #include "render/method.h"
 #include "render/ordinates_state.h"
 #include "render/owner.h"
+#include "render/render_state.h"
 #include "scene/fingerprint.h"
 
 /* ---- where it applies ---- */
@@ -115,7 +116,10 @@ air_status air_with_ordinates_create(const air_path *path, const air_owner_table
     with->all = rest;
     with->single = split || !(first && rest);
     with->first_wanted = first;
-    air_status status = ord_domain_place(with->snapshot, params->ordinates.cells, &with->domain);
+    with->past = params->state != NULL ? &params->state->ordinates : NULL;
+    ord_past_begin(with->past);
+    air_status status = ord_domain_place(with->snapshot, params->ordinates.cells,
+                                         ord_past_lattice(with->past), &with->domain);
     if (status == AIR_OK) {
         status = check_memory(with);
     }
@@ -170,6 +174,9 @@ uint64_t air_with_ordinates_fingerprint(const air_with_ordinates *with, uint64_t
                                 (uint32_t)s->residuum,
                                 (uint32_t)s->bilateral};
     hash = air_fingerprint_add(hash, numbers, sizeof numbers);
+    if (with->history != 0) {
+        hash = air_fingerprint_add(hash, &with->history, sizeof with->history);
+    }
     return air_fingerprint_add(hash, &s->change, sizeof s->change);
 }
 
