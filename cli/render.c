@@ -53,6 +53,7 @@ typedef struct render_run {
     air_render_params params;
     air_area_table area_table;
     air_lightmap *lightmap;
+    air_render_state *state; /* of a sequence whose frames begin where those before ended */
     cli_attributes attributes;
     /* of the frame under way: */
     int64_t frame;              /* AIR_FRAME_NONE: there is one without a number */
@@ -225,6 +226,12 @@ static cli_exit prepare(render_run *run)
                                air_lightmap_load(run->host.context, path, &run->lightmap), path);
         run->params.lightmap = run->lightmap;
     }
+    if (result == CLI_OK && cli_frames_count(&run->options.sequence) > 1 &&
+        !run->options.no_warm_start) {
+        result = cli_host_exit(&run->host, air_render_state_create(run->host.context, &run->state),
+                               "the sequence");
+        run->params.state = run->state;
+    }
     run->load_s = cli_clock() - start_s;
     return result == CLI_OK ? check_content(run) : result;
 }
@@ -367,9 +374,8 @@ static cli_exit render_frame(render_run *run)
     return run->interrupted ? CLI_INTERRUPTED : CLI_OK;
 }
 
-/* One frame after the other, each as if it were the only one: with the same samples, and by the
- * same seed. What is to live from frame to frame lives in the run; run->sequence.dirty says what
- * has changed since the frame before. */
+/* One frame after the other, with the same samples and by the same seed: each as if it were the
+ * only one, but for what run->state keeps. */
 static cli_exit render_frames(render_run *run)
 {
     const size_t attribute_count = run->attributes.count;
@@ -432,6 +438,7 @@ cli_exit cli_render(int argc, char **argv)
         result = run_render(&run);
     }
     cli_frame_names_finish(&run.names);
+    air_render_state_destroy(run.state);
     air_lightmap_destroy(run.lightmap);
     cli_attributes_finish(&run.attributes);
     json_decref(run.description);

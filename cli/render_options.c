@@ -244,6 +244,12 @@ static const cli_option sequence_options[] = {
      .help = "Turn the camera by so much a frame, counterclockwise from above, about the upright "
              "axis through the middle of the media, or of the scene where no medium has bounds. "
              "Frame 0 is seen as the file has it."},
+    {.name = "no-warm-start",
+     .kind = CLI_FLAG,
+     .offset = offsetof(cli_render_options, no_warm_start),
+     .help = "Of ordinates: each frame begins from nothing, as if it were the only one, not from "
+             "the frame before. Slower, and it may flicker; for parts of a sequence on several "
+             "machines."},
 };
 
 static const cli_option report_options[] = {

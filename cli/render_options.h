@@ -23,6 +23,7 @@ typedef struct cli_render_options {
     bool layers, guides, json, stats;
     const char *frames;
     cli_real orbit;
+    bool no_warm_start;
     cli_frames sequence; /* what frames says, once cli_render_check has read it */
 } cli_render_options;
 

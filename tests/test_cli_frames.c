@@ -282,6 +282,38 @@ static void an_interrupt_leaves_whole_frames_and_exit_code_130(void **state)
     cli_leave(&directory);
 }
 
+/* Events are not counted, so that light may be taken over. */
+#define SMOKE_IN_CELLS                                                                             \
+    "render", "lit.gltf", "--width", "32", "--spp", "4", "--max-depth", "unlimited", "--cells",    \
+        "8", "--method", "ordinates", "-v", "--medium",                                            \
+        "grid=smoke.##.raw,grid_size=4,4,4,grid_box=-1,0,-1:1,2,1,sigma_s=2"
+
+/* Frames of ordinates begin where those before ended, near enough that one sees no difference. */
+static void frames_begin_from_those_before_unless_told_not_to(void **state)
+{
+    (void)state;
+    static const char *const runs[3][24] = {
+        {SMOKE_IN_CELLS, "--frames", "1-3", "-o", "warm.#.exr", "-o", "warm.#.film"},
+        {SMOKE_IN_CELLS, "--frames", "1-3", "-o", "cold.#.exr", "-o", "cold.#.film",
+         "--no-warm-start"},
+        {SMOKE_IN_CELLS, "--frames", "3", "-o", "alone.#.exr", "-o", "alone.#.film"},
+    };
+    cli_directory directory;
+    enter(&directory);
+    for (int i = 0; i < 3; i++) {
+        cli_result result = cli_run(&directory, runs[i]);
+        assert_int_equal(result.exit_code, 0);
+        assert_int_equal(strstr(result.err, "begun from the picture before") != NULL, i == 0);
+        cli_free(&result);
+    }
+    assert_true(same_bytes("warm.1.film", "cold.1.film"));
+    assert_true(same_bytes("cold.3.film", "alone.3.film"));
+    assert_false(same_bytes("warm.3.film", "cold.3.film"));
+    /* A sweep changes light by less than 1e-3 at the end; a hundredth is left of a solution. */
+    assert_true(relative_rmse(&directory, "warm.3.exr", "cold.3.exr") < 0.01);
+    cli_leave(&directory);
+}
+
 /* ---- what is refused ---- */
 
 static void frames_that_make_no_sense_are_refused(void **state)
@@ -409,6 +441,7 @@ int main(void)
         cmocka_unit_test(progress_tells_the_frame),
         cmocka_unit_test(a_missing_frame_stops_and_those_done_stay),
         cmocka_unit_test(without_frames_a_name_with_hashes_says_what_is_missing),
+        cmocka_unit_test(frames_begin_from_those_before_unless_told_not_to),
         cmocka_unit_test(an_interrupt_leaves_whole_frames_and_exit_code_130),
         cmocka_unit_test(frames_that_make_no_sense_are_refused),
         cmocka_unit_test(outputs_that_cannot_be_sequences_are_refused),
