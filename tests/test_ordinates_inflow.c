@@ -90,7 +90,7 @@ static void no_light_is_lost(void **state)
         for (int polar = 4; polar <= 8; polar += 4) {
             double moments[BANDS * BANDS], green;
             ord_source_list list = make_sky(*state, skies[n]);
-            assert_true(ord_inflow_choose(&list));
+            assert_true(ord_inflow_choose(&list, 1.0f));
             moments_within(*state, &list, polar, moments, &green);
             const double root = sqrt(4.0 * AIR_PI), expected = fluence_of(&list);
             assert_true(fabs(moments[0] * root / expected - 1.0) < 1e-5);
@@ -106,7 +106,7 @@ static void an_even_sky_is_even(void **state)
     for (int polar = 4; polar <= 8; polar += 2) {
         double moments[BANDS * BANDS], green, most = 0.0;
         ord_source_list list = make_sky(*state, one);
-        assert_true(ord_inflow_choose(&list));
+        assert_true(ord_inflow_choose(&list, 1.0f));
         moments_within(*state, &list, polar, moments, &green);
         for (int i = 1; i < BANDS * BANDS; i++) {
             most = fmax(most, fabs(moments[i]) / moments[0]);
@@ -124,7 +124,7 @@ static void gradients_stay(void **state)
 {
     double moments[BANDS * BANDS], green;
     ord_source_list list = make_sky(*state, rising);
-    assert_true(ord_inflow_choose(&list));
+    assert_true(ord_inflow_choose(&list, 1.0f));
     moments_within(*state, &list, 8, moments, &green);
     const double found = -moments[1] / moments[0] * sqrt(3.0); /* of travel, so against it */
     print_message("gradient %.4f of 0.8\n", found);
@@ -138,7 +138,7 @@ static void dark_halves_stay_dark(void **state)
 {
     double moments[BANDS * BANDS], green;
     ord_source_list list = make_sky(*state, upper);
-    assert_true(ord_inflow_choose(&list));
+    assert_true(ord_inflow_choose(&list, 1.0f));
     moments_within(*state, &list, 8, moments, &green);
     const double found = -moments[1] / moments[0] / sqrt(3.0);
     print_message("flux %.4f of 0.5\n", found);
@@ -152,7 +152,7 @@ static void suns_stay_beams(void **state)
 {
     ord_source_list list = make_sky(*state, with_sun);
     size_t beams = 0;
-    assert_true(ord_inflow_choose(&list));
+    assert_true(ord_inflow_choose(&list, 1.0f));
     for (size_t i = 0; i < list.count; i++) {
         const bool sun = list.items[i].place.x < -0.95f;
         beams += list.items[i].inflow ? 0 : 1;
@@ -167,9 +167,9 @@ static void without_a_sky_nothing_flows_in(void **state)
 {
     ord_source_list list = {.context = *state};
     const ord_source lamp = {.local = true, .power = vec3(1.0f, 1.0f, 1.0f), .lobe = 1.0f};
-    assert_false(ord_inflow_choose(&list));
+    assert_false(ord_inflow_choose(&list, 1.0f));
     assert_int_equal(ord_sources_add(&list, &lamp), AIR_OK);
-    assert_false(ord_inflow_choose(&list));
+    assert_false(ord_inflow_choose(&list, 1.0f));
     assert_false(list.items[0].inflow);
     ord_sources_finish(&list);
 }

@@ -282,6 +282,35 @@ static void changes_are_followed_in_fewer_sweeps(void **state)
     air_context_destroy(context);
 }
 
+/* ---- steadiness ---- */
+
+/* Fog that thickens by 4 % a frame, over all depths of cells at which the sky goes over from beams
+ * to light by the box's faces, which differ by more than a tenth: 5 % of difference from frame to
+ * frame at the thin end, less and less to the thick one. */
+static void the_sky_goes_over_to_the_faces_without_a_jump(void **state)
+{
+    air_context *const context = make_context(2, NULL);
+    const air_render_params params = small_picture(NULL);
+    air_image *before = NULL;
+    moving_fog fog = still_fog;
+    double last = 0.06;
+    (void)state;
+    fog.sun = 0.0f;
+    fog.sigma = 3.5f;
+    for (int i = 0; i < 26; i++, fog.sigma *= 1.04f) {
+        air_image *const image = image_of(context, &fog, &params);
+        if (before != NULL) {
+            const double step = difference(image, before);
+            assert_true(step < 1.1 * last);
+            last = step;
+        }
+        air_image_destroy(before);
+        before = image;
+    }
+    air_image_destroy(before);
+    air_context_destroy(context);
+}
+
 /* ---- cells ---- */
 
 static ord_domain placed(air_context *context, const moving_fog *fog, const ord_lattice *lattice)
@@ -492,6 +521,7 @@ int main(void)
         cmocka_unit_test(counted_events_begin_from_nothing),
         cmocka_unit_test(films_merge_only_with_those_of_the_same_past),
         cmocka_unit_test(changes_are_followed_in_fewer_sweeps),
+        cmocka_unit_test(the_sky_goes_over_to_the_faces_without_a_jump),
         cmocka_unit_test(cells_stay_where_they_are_while_media_move),
         cmocka_unit_test(cells_go_along_with_bounds_that_move_as_a_whole),
         cmocka_unit_test(a_lattice_that_has_become_too_coarse_or_fine_is_given_up),

@@ -7,10 +7,11 @@
 
 enum { CHANNELS = 4, ROUNDS = 32 };
 
-/* Parts of the sky brighter than so many times its mean stay beams: their direction shows. */
+/* Parts of the sky brighter than so many times its mean stay beams, for their direction shows; of
+ * those half as bright nothing does. */
 #define BRIGHT 32.0f
 
-bool ord_inflow_choose(ord_source_list *sources)
+bool ord_inflow_choose(ord_source_list *sources, float asked)
 {
     float flux = 0.0f, angle = 0.0f;
     bool any = false;
@@ -21,9 +22,13 @@ bool ord_inflow_choose(ord_source_list *sources)
     }
     for (size_t i = 0; i < sources->count; i++) {
         ord_source *const s = &sources->items[i];
-        s->inflow = s->solid_angle > 0.0f && s->mode == AIR_ORDINATES_MODE_DOM &&
-                    vec3_luminance(s->power) * angle <= BRIGHT * flux * s->solid_angle;
-        any = any || s->inflow;
+        const float even = BRIGHT * flux * s->solid_angle;
+        const float over = vec3_luminance(s->power) * angle;
+        const float rest = even > 0.0f ? 2.0f - 2.0f * over / even : 0.0f;
+        s->inflow = s->mode == AIR_ORDINATES_MODE_DOM
+                        ? asked * float_min(float_max(rest, 0.0f), 1.0f)
+                        : 0.0f;
+        any = any || s->inflow > 0.0f;
     }
     return any;
 }
@@ -43,7 +48,7 @@ static void share_by_distance(const ord_source_list *sources, sharing *self)
     const double kappa = 0.5 * (double)self->directions;
     for (size_t i = 0, part = 0; i < sources->count; i++) {
         const ord_source *const s = &sources->items[i];
-        if (!s->inflow) {
+        if (!(s->inflow > 0.0f)) {
             continue;
         }
         for (size_t o = 0; o < self->directions; o++) {
@@ -101,14 +106,15 @@ static void add_radiance(const ord_source_list *sources, const sharing *self, fl
 {
     for (size_t i = 0, part = 0; i < sources->count; i++) {
         const ord_source *const s = &sources->items[i];
-        const float power[3] = {s->power.x, s->power.y, s->power.z};
-        for (size_t o = 0; s->inflow && o < self->directions; o++) {
+        const float power[3] = {s->inflow * s->power.x, s->inflow * s->power.y,
+                                s->inflow * s->power.z};
+        for (size_t o = 0; s->inflow > 0.0f && o < self->directions; o++) {
             const double share = self->share[part * self->directions + o] / self->solid_angle[o];
             for (size_t c = 0; c < 3; c++) {
                 out[o * CHANNELS + c] += (float)(share * (double)power[c]);
             }
         }
-        part += s->inflow ? 1 : 0;
+        part += s->inflow > 0.0f ? 1 : 0;
     }
 }
 
@@ -119,7 +125,7 @@ air_status ord_inflow_set(const ord_source_list *sources, const air_dom_params *
     sharing self = {.directions = air_dom_direction_count(params)};
     air_status status = AIR_OK;
     for (size_t i = 0; i < sources->count; i++) {
-        self.parts += sources->items[i].inflow ? 1 : 0;
+        self.parts += sources->items[i].inflow > 0.0f ? 1 : 0;
     }
     self.share = air_allocate(context, self.parts * self.directions, sizeof *self.share);
     self.dir = air_allocate(context, self.directions, sizeof *self.dir);

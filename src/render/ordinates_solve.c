@@ -1,4 +1,5 @@
 /* ordinates_solve.c: the light in the cells, from the lights to what the camera sees of it. */
+#include <math.h>
 #include <string.h>
 
 #include "core/phase.h"
@@ -7,8 +8,10 @@
 #include "render/ordinates_patches.h"
 #include "render/ordinates_solving.h"
 
-/* Optical depth of a cell from which on the sky enters by the box's faces. */
-#define THICK 0.4
+/* Optical depths of a cell between which the sky goes over from beams to light that enters by the
+ * box's faces. Evenly: the two differ by some 10 % of the light, and media change. */
+#define THIN  0.25
+#define THICK 0.55
 
 static void set_box(ord_solving *self, const air_camera_view *view)
 {
@@ -24,12 +27,15 @@ static void set_box(ord_solving *self, const air_camera_view *view)
     vec3_store(self->box.observer, to);
 }
 
-/* Can the sky enter by the box's faces? Nothing may stand between, sweep n must not stand for n
- * further events, and it must be worth it: in thin cells beams are truer. */
-static bool may_flow_in(const ord_solving *self, const air_render_params *params)
+/* How much of the sky may enter by the box's faces? None where something may stand between or sweep
+ * n stands for n further events, or where it is not worth it: in thin cells beams are truer. */
+static float may_flow_in(const ord_solving *self, const air_render_params *params)
 {
-    return params->max_depth == UINT32_MAX && self->with->snapshot->accelerator == NULL &&
-           ord_solving_thickness(self) > THICK;
+    if (params->max_depth != UINT32_MAX || self->with->snapshot->accelerator != NULL) {
+        return 0.0f;
+    }
+    const double share = (ord_solving_thickness(self) - THIN) / (THICK - THIN);
+    return (float)fmin(fmax(share, 0.0), 1.0);
 }
 
 static bool make_arrays(ord_solving *self, bool deep)
@@ -158,8 +164,8 @@ static air_status make_sources(ord_solving *self, const ord_lighting *lighting,
                                const air_render_params *params, bool deep)
 {
     air_status status = ord_sources_make(lighting, &self->sources);
-    if (status == AIR_OK && deep && may_flow_in(self, params)) {
-        self->inflow = ord_inflow_choose(&self->sources);
+    if (status == AIR_OK && deep) {
+        self->inflow = ord_inflow_choose(&self->sources, may_flow_in(self, params));
     }
     if (status == AIR_OK && !make_arrays(self, deep)) {
         status = air_fail_memory(self->with->context, "ordinates: light");

@@ -25,7 +25,7 @@ typedef struct ord_source {
     float solid_angle;      /* of a part of the sky; 0: it is none */
     air_ordinates_mode mode;
     bool sky;        /* of an environment: cameras see its peak by ordinates_sky.h */
-    bool inflow;     /* see ord_inflow_choose */
+    float inflow;    /* share, [0, 1]: see ord_inflow_choose */
     uint32_t events; /* before its light starts here: 0: of a light; else it is a patch of surface,
                         a square of the disk's second moment (ordinates_patches.h) */
 } ord_source;
@@ -53,10 +53,12 @@ air_status ord_sources_make(const ord_lighting *lighting, ord_source_list *out);
 air_status ord_sources_add(ord_source_list *list, const ord_source *source);
 void ord_sources_finish(ord_source_list *list);
 
-/* Marks the parts of the sky that are to enter the solver's box by its faces. That is right in
- * dense boxes, too, whose outermost cells have all of the light by a layer thinner than they are;
- * suns and bright windows, whose direction shows, stay beams. False: there is no such part. */
-bool ord_inflow_choose(ord_source_list *sources);
+/* Says how much of each part of the sky is to enter the solver's box by its faces: all that is
+ * asked for, in [0, 1]. That is right in dense boxes, too, whose outermost cells have all of the
+ * light by a layer thinner than they are; suns and bright windows, whose direction shows, stay
+ * beams. Between both the share falls evenly: from picture to picture no part goes over at once.
+ * False: nothing is to enter. */
+bool ord_inflow_choose(ord_source_list *sources, float asked);
 
 /* Gives them to the solver: each is shared out among the directions about it. */
 air_status ord_inflow_set(const ord_source_list *sources, const air_dom_params *params,

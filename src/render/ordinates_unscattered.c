@@ -20,6 +20,23 @@ static void fill_source(void *user, size_t index, size_t worker)
     }
 }
 
+/* Of a beam of which a share enters by the faces. */
+static void add_moments(const ord_solving *self, const air_seen_beam *beam, float inflow, size_t k)
+{
+    float *const out[2] = {self->moments, self->through};
+    const float shares[2] = {1.0f - inflow, inflow};
+    for (int i = 0; i < 2; i++) {
+        air_seen_beam part = *beam;
+        for (size_t c = 0; c < 3; c++) {
+            part.power[c] *= shares[i];
+        }
+        if (shares[i] > 0.0f) {
+            air_beam_moments(self->with->context, &self->box, &part, 1, self->dom.bands, k, k + 1,
+                             out[i]);
+        }
+    }
+}
+
 static void take_slab(void *user, size_t k, size_t worker)
 {
     ord_solving *const self = user;
@@ -27,9 +44,7 @@ static void take_slab(void *user, size_t k, size_t worker)
     for (size_t i = 0; self->moments != NULL && i < self->solved; i++) {
         const ord_source *const source = &self->sources.items[self->begin + i];
         if (source->events < self->scatter_most) {
-            air_beam_moments(self->with->context, &self->box, &self->beams[0][i], 1,
-                             self->dom.bands, k, k + 1,
-                             source->inflow ? self->through : self->moments);
+            add_moments(self, &self->beams[0][i], source->inflow, k);
         }
     }
     for (size_t m = 0; m < self->with->medium_count; m++) {
