@@ -8,9 +8,9 @@ Blobs of cloud drift through a box of 1 m under the sky of scenes/smoke, 48^3 vo
 whole box; cut to the voxels that hold something, so that the medium's bounds move from frame to
 frame; standing still while the camera turns, or moving as a whole. Each is rendered at the level interactive, warm
 (the default) and cold (--no-warm-start), and converged, for the reference: the same method, cold,
-with twice the cells, more bands, directions, sweeps and looks. Of the light that the media scatter,
-which is the method's: the sky behind them is path's, with noise at few samples (--terms all has it).
-Printed are `airlight diff --temporal` against that (docs/metrics.md), the relative RMSE of
+with twice the cells, more directions, sweeps and looks. As many bands, for what these change is how
+light depends on the angle, smoothly. Of the light that the media scatter, which is the method's: the
+sky behind them is path's, with noise at few samples (--terms all has it). Printed are `airlight diff --temporal` against that (docs/metrics.md), the relative RMSE of
 frames, the solver's sweeps per frame behind the first, and seconds per frame, all of it.
 """
 
@@ -30,7 +30,7 @@ import exr
 SIDE = 48
 HERE = os.path.dirname(os.path.abspath(__file__))
 SKY = os.path.join(HERE, "..", "scenes", "smoke", "sky.hdr")
-CONVERGED = "--cells 40 --bands 6 --directions 512 --sweeps 256 --march 4 --spp 32".split()
+CONVERGED = "--cells 40 --directions 512 --sweeps 256 --march 4 --spp 32".split()
 
 
 # ---- scenes ----
