@@ -31,10 +31,10 @@ import ordinates_scenes as scenes
 MODES = ("dom", "cm", "literal", "shdom")
 COUNTS = (1, 4, 16, 64, 256)
 SWITCHES = {
-    "all": [],
-    "no prefilter": ["--no-prefilter"],
-    "no importance": ["--no-importance"],
-    "no residuum": ["--no-residuum"],
+    "all": ["--importance"],
+    "no prefilter": ["--importance", "--no-prefilter"],
+    "no importance": [],
+    "no residuum": ["--importance", "--no-residuum"],
 }
 LABEL = 14
 
