@@ -4,6 +4,7 @@
 #define AIR_CORE_HOST_H
 
 #include <stdarg.h>
+#include <stdint.h>
 
 #include "airlight/context.h"
 
@@ -13,6 +14,13 @@ void *air_allocate(air_context *context, size_t count, size_t size);
 /* Grows or shrinks; new bytes are not set. On failure the old block stays. */
 void *air_reallocate(air_context *context, void *pointer, size_t count, size_t size);
 void air_free(air_context *context, void *pointer);
+/* The first place in a block that kernels' lanes may load from: AIR_ALIGNMENT - 1 bytes further on
+ * at most, which are to be allocated beside what is wanted. */
+enum { AIR_ALIGNMENT = 64 };
+static inline void *air_align(void *block)
+{
+    return (char *)block + (AIR_ALIGNMENT - (uintptr_t)block % AIR_ALIGNMENT) % AIR_ALIGNMENT;
+}
 /* Bytes of memory that the machine has, whoever uses them; 0: not known. */
 double air_machine_memory(void);
 char *air_string_copy(air_context *context, const char *text); /* NULL gives "" */

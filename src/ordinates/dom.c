@@ -84,17 +84,16 @@ size_t air_dom_bytes(const air_dom_params *p, int depth)
 
 bool dom_array_make(air_dom *dom, size_t count, dom_array *out)
 {
-    enum { ALIGNMENT = 64 };
     out->any = NULL;
-    if (dom->block_count == DOM_BLOCKS_MAX || count > (SIZE_MAX - ALIGNMENT) / dom->number) {
+    if (dom->block_count == DOM_BLOCKS_MAX || count > (SIZE_MAX - AIR_ALIGNMENT) / dom->number) {
         return false;
     }
-    char *const block = air_allocate(dom->context, count * dom->number + ALIGNMENT, 1);
+    void *const block = air_allocate(dom->context, count * dom->number + AIR_ALIGNMENT, 1);
     if (block == NULL) {
         return false;
     }
     dom->blocks[dom->block_count++] = block;
-    out->any = block + (ALIGNMENT - (uintptr_t)block % ALIGNMENT);
+    out->any = air_align(block);
     return true;
 }
 

@@ -265,13 +265,13 @@ static bool make_slot(air_context *context, size_t capacity, uint32_t cells, slo
         s->scratch_size = bytes > s->scratch_size ? bytes : s->scratch_size;
     }
     float *const numbers = air_allocate(context, capacity * ARRAYS, sizeof *numbers);
-    s->block = air_allocate(context, s->scratch_size + 128, 1);
+    s->block = air_allocate(context, s->scratch_size + AIR_ALIGNMENT, 1);
     s->entry = air_allocate(context, (size_t)cells * cells, sizeof *s->entry);
     s->cosine = numbers;
     if (numbers == NULL || s->block == NULL || s->entry == NULL) {
         return false;
     }
-    s->scratch = (char *)s->block + (64 - (uintptr_t)s->block % 64);
+    s->scratch = air_align(s->block);
     for (size_t c = 0; c < 3; c++) {
         s->sigma_s[c] = numbers + (1 + c) * capacity;
         s->sigma_a[c] = numbers + (4 + c) * capacity;

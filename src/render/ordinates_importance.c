@@ -6,8 +6,6 @@
 
 #include "airlight/ordinates_lights.h"
 
-enum { ALIGNMENT = 64 };
-
 /* The pyramid is wider than the picture, for light comes in from beside it. */
 #define WIDER 1.15f
 
@@ -93,17 +91,17 @@ air_status ord_importance_make(const ord_domain *domain, const air_camera_view *
         return AIR_OK;
     }
     pyramid *const self = air_allocate(context, 1, sizeof *self);
-    char *const scratch = air_allocate(context, air_importance_scratch() + ALIGNMENT, 1);
+    void *const scratch = air_allocate(context, air_importance_scratch() + AIR_ALIGNMENT, 1);
     air_status status = AIR_OK;
     if (self == NULL || scratch == NULL) {
         status = air_fail_memory(context, "ordinates: importance");
     } else {
-        void *const aligned = scratch + (ALIGNMENT - (uintptr_t)scratch % ALIGNMENT) % ALIGNMENT;
         const air_importance_medium medium = {self->sigma_s, self->sigma_a, self->g};
         status = air_importance_points(context, &camera, self->points);
         if (status == AIR_OK) {
             take_coefficients(domain, self);
-            status = air_importance_propagate(context, &camera, &medium, aligned, self->map, NULL);
+            status = air_importance_propagate(context, &camera, &medium, air_align(scratch),
+                                              self->map, NULL);
         }
     }
     if (status == AIR_OK) {
