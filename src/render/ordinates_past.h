@@ -3,7 +3,8 @@
  *
  * What is kept is either compared with the picture at hand (by value, or by a hash of the values
  * that it was made of) or good to begin from whatever that is, so no caller says what has changed.
- * Every function takes past NULL: there is none. */
+ * past may be NULL, for there is none, but not to ord_past_init, ord_past_finish
+ * and ord_past_keep_light. */
 #ifndef AIR_RENDER_ORDINATES_PAST_H
 #define AIR_RENDER_ORDINATES_PAST_H
 
@@ -21,7 +22,7 @@ typedef struct ord_past_light {
     size_t size[3];
     int bands;
     bool delta_m;
-    double first[3]; /* see ord_past_keep_light */
+    double first[3]; /* see ord_past_light_at */
     float *moments;  /* NULL: none */
 } ord_past_light;
 
@@ -58,10 +59,9 @@ const ord_lattice *ord_past_lattice(const ord_past *past);
 /* ---- light ---- */
 
 /* Fills moments (of the domain's cells) with what the light there may be: the picture's before,
- * trilinear between its cells and held beyond them, moved along with
- * the lattice, times the ratio of `first` in each channel.
- * False, and nothing is done, where there is none that fits. first: power that is scattered out of
- * unscattered light, or any number in proportion to all lights. */
+ * trilinear between its cells and held beyond them, moved along with the lattice, times the ratio
+ * of `first` in each channel. False, and nothing is done, where there is none that fits. first:
+ * power that is scattered out of unscattered light, or any number in proportion to all lights. */
 bool ord_past_light_at(ord_past *past, const ord_domain *domain, const air_dom_params *dom,
                        const double first[3], float *moments);
 

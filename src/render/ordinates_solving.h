@@ -7,7 +7,7 @@
 #include "render/ordinates_sources.h"
 #include "render/ordinates_state.h"
 
-enum { ORD_CHANNELS = 4 };
+enum { ORD_CHANNELS = AIR_DOM_STRIDE };
 
 typedef struct ord_solving {
     air_with_ordinates *with;
