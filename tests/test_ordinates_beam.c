@@ -387,7 +387,7 @@ static double taken(double sigma, const double dir[3])
 /* A white sky of radiance 1, as directions on a spiral: what the cells take, sum of sigma fluence
  * volume, is what enters by the faces, pi for each, less what leaves: measured, and a tenth more.
  * At 4 per cell the outermost have nearly all of it, in layers thinner than they are, and get too
- * little: why skies enter such boxes by the solver's faces (src/render/ordinates_inflow.c). */
+ * little: why skies enter such boxes by the solver's faces (src/render/ordinates/inflow.c). */
 static void a_white_sky_gives_cubes_what_enters_by_their_faces(void **state)
 {
     (void)state;

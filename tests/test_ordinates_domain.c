@@ -6,7 +6,7 @@
 #include "grid_scene.h"
 #include "memory_shortage.h"
 #include "picture_fixture.h"
-#include "render/ordinates_domain.h"
+#include "render/ordinates/domain.h"
 
 enum { SIDE = 32 };
 

@@ -3,7 +3,7 @@
 
 #include "grid_scene.h"
 #include "picture_fixture.h"
-#include "render/ordinates_importance.h"
+#include "render/ordinates/importance.h"
 
 static const grid_scene haze = {
     .name = "haze", .lights = GRID_SKY, .sigma_s = {4, 4, 4}, .g = 0.7f};

@@ -4,7 +4,7 @@
 
 #include "core/harmonics.h"
 #include "ordinates_box.h"
-#include "render/ordinates_sources.h"
+#include "render/ordinates/sources.h"
 
 enum { PARTS = 64, BANDS = 4 };
 

@@ -1,5 +1,5 @@
 /* What method ordinates keeps from picture to picture: light resampled, skies and importance. */
-#include "render/ordinates_past.h"
+#include "render/ordinates/past.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 
 #include "grid_scene.h"
 #include "picture_fixture.h"
-#include "render/ordinates_patches.h"
+#include "render/ordinates/patches.h"
 
 /* Haze in a cube of 1 m about the origin, and surfaces of one colour. */
 typedef struct patch_scene {

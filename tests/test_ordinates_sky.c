@@ -7,7 +7,7 @@
 #include "memory_shortage.h"
 #include "picture_fixture.h"
 #include "random_geometry.h"
-#include "render/ordinates_sky.h"
+#include "render/ordinates/sky.h"
 #include "scene/lights/light_table.h"
 #include "small_room.h"
 

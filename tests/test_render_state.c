@@ -6,7 +6,7 @@
 #include "memory_shortage.h"
 #include "moving_fog.h"
 #include "picture_fixture.h"
-#include "render/ordinates_domain.h"
+#include "render/ordinates/domain.h"
 
 /* Hears how many sweeps the solver took. */
 typedef struct listener {

@@ -5,11 +5,11 @@
 #include "core/pattern.h"
 #include "image/film.h"
 #include "path/path.h"
+#include "render/arealight/with_arealight.h"
+#include "render/collimated/with_collimated.h"
+#include "render/ordinates/with_ordinates.h"
 #include "render/owner.h"
-#include "render/with_arealight.h"
-#include "render/with_collimated.h"
 #include "render/with_lightmap.h"
-#include "render/with_ordinates.h"
 #include "scene/camera.h"
 
 enum { AIR_GAUSSIAN_TABLE = 1024 };

@@ -5,7 +5,7 @@
 #include <stdatomic.h>
 
 #include "airlight/render.h"
-#include "render/ordinates_past.h"
+#include "render/ordinates/past.h"
 
 struct air_render_state {
     air_context *context;

@@ -1,0 +1,55 @@
+/* state.h: what with_ordinates.c sets up and march.c uses per ray. */
+#ifndef AIR_RENDER_ORDINATES_STATE_H
+#define AIR_RENDER_ORDINATES_STATE_H
+
+#include "render/ordinates/domain.h"
+#include "render/ordinates/sky.h"
+#include "render/ordinates/with_ordinates.h"
+
+/* One medium as the march meets it. */
+typedef struct ord_medium {
+    float peak;   /* share of its scattering that counts as none */
+    float *light; /* what it scatters towards the camera, over sigma_s: 4 per cell; NULL: nothing */
+    float *first; /* likewise, of light straight from the lights, with the true extinction; only
+                     where that is wanted apart */
+} ord_medium;
+
+struct air_with_ordinates {
+    air_context *context;
+    const air_snapshot *snapshot;
+    const air_path *path;
+    const air_ordinates_settings *settings;
+    ord_past *past;   /* or NULL */
+    uint64_t history; /* of what was taken from there; 0: nothing */
+    ord_domain domain;
+    ord_sky sky;
+    ord_medium *media; /* by medium */
+    size_t medium_count;
+    float *carried; /* what cells scatter towards the camera, over sigma_s, of light that grids of
+                       its own carried; with the true extinction; NULL: there is none */
+    float *extinction; /* of each cell, mean over channels */
+    float largest;     /* of these */
+    bool all, single;  /* march for both terms together; for M1 alone */
+    bool first_wanted; /* M1 is */
+};
+
+struct air_march_scratch {
+    air_ray_media media;
+};
+
+enum { ORD_BLOCK = 16 /* sources whose fluences are in memory at a time */ };
+
+/* Bytes that a solution takes at its height, from the domain's size, the settings and what is
+ * wanted. `deep`: light of more than one event. */
+double ord_memory(const air_with_ordinates *with, bool deep);
+
+/* Fills with->media. */
+air_status ord_solve(air_with_ordinates *with, const struct air_owner_table *owners,
+                     const air_camera_view *view, const air_render_params *params);
+
+/* Radiance towards the camera along a lane's ray: [0] of all light, [1] of M1 alone, as asked for.
+ */
+void ord_march(const air_with_ordinates *with, air_march_scratch *scratch,
+               const air_path_lane *lane, air_vec3 out[2]);
+
+#endif
