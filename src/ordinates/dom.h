@@ -114,6 +114,12 @@ typedef struct dom_kernel {
 
 extern const dom_kernel dom_kernel_plain, dom_kernel_sse42, dom_kernel_avx2, dom_kernel_avx512;
 
+/* g_l of the scaled medium. */
+static inline double dom_scaled_legendre(double g_l, double peak)
+{
+    return (g_l - peak) / (1.0 - peak);
+}
+
 static inline double dom_get(const struct air_dom *dom, const dom_array *array, size_t i)
 {
     return dom->number == sizeof(double) ? array->d[i] : (double)array->f[i];
@@ -144,6 +150,9 @@ static inline void dom_slab_range(const struct air_dom *dom, size_t k, size_t *b
 
 /* An array of `count` zeros, aligned to 64 bytes, that goes with the solver. False: no memory. */
 bool dom_array_make(struct air_dom *dom, size_t count, dom_array *out);
+
+/* Fills emitting and gathering, from legendre. */
+void dom_make_harmonics(struct air_dom *dom);
 
 /* The sign of a class's moments in an octant. */
 static inline double dom_sign(int class, int octant)
