@@ -300,6 +300,13 @@ static void events_tracked(const air_path *path, air_path_scratch *scratch, cons
     const uint32_t surface_terms = (1u << AIR_TERM_S0) | (1u << AIR_TERM_S_PLUS);
     const bool ends = walk->depth > 0 || (path->settings.terms & surface_terms) != 0;
     air_rng rng = path_ray_rng(lane, walk, 0x20000u);
+    if (walk->depth == 0 && path->passes_media) {
+        if (met && ends) {
+            const air_vec3 left = air_track_transmittance(&scratch->media, t, &rng);
+            push_surface(path, scratch, walk, left, ray, t, lane);
+        }
+        return;
+    }
     const air_collision collision = air_track_collision(&scratch->media, walk->beta, &rng);
     if (collision.happened) {
         scatter_tracked(path, scratch, walk, &collision, lane);

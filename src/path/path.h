@@ -96,6 +96,8 @@ typedef struct air_path {
                           lights from infinity in closed form */
     air_collimated_medium volume; /* that region */
     bool extended_lights;         /* some light has an area or fills directions */
+    bool passes_media; /* what media scatter to the camera is asked for and all other methods': rays
+                          from there pass them (terms that are not asked for change no numbers) */
     /* The lights that vertices ask: the snapshot's; at first events less those that are wholly
      * other methods' there, on surfaces less environments of one radiance, which directions drawn
      * by the surface meet as well. Views: only their cdf may be their own. */

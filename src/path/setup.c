@@ -42,6 +42,7 @@ static void narrow_terms(air_path *path)
     const uint32_t deep = (1u << AIR_TERM_S_PLUS) | (1u << AIR_TERM_M2);
     const uint32_t first = (1u << AIR_TERM_S0) | (1u << AIR_TERM_M1);
     air_path_settings *settings = &path->settings;
+    const uint32_t scattered = ((1u << AIR_TERM_M1) | (1u << AIR_TERM_M2)) & settings->terms;
     for (unsigned term = AIR_TERM_S0; term <= AIR_TERM_M2; term++) {
         bool owned = snapshot->lights.owner_count == 0 || path->emissive_media;
         for (size_t owner = 0; owner < snapshot->lights.owner_count; owner++) {
@@ -51,6 +52,7 @@ static void narrow_terms(air_path *path)
             settings->terms &= ~(1u << term);
         }
     }
+    path->passes_media = scattered != 0 && (settings->terms & scattered) == 0;
     if (settings->max_depth <= 1) {
         settings->terms &= ~deep;
     }

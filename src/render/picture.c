@@ -164,6 +164,13 @@ static air_status make_owners(air_picture *picture)
     return AIR_OK;
 }
 
+/* Where there are no surfaces nothing need be looked for on them. */
+static uint32_t terms_without_place(const air_snapshot *snapshot)
+{
+    const uint32_t surface_terms = (1u << AIR_TERM_S0) | (1u << AIR_TERM_S_PLUS);
+    return snapshot->accelerator == NULL ? surface_terms : 0;
+}
+
 air_status air_picture_init(air_picture *picture, air_context *context,
                             const air_snapshot *snapshot, const air_render_params *params)
 {
@@ -193,7 +200,7 @@ air_status air_picture_init(air_picture *picture, air_context *context,
     }
     const air_path_settings settings = {.max_depth = params->max_depth,
                                         .wanted = picture->wanted,
-                                        .terms = traced,
+                                        .terms = traced & ~terms_without_place(snapshot),
                                         .guides = params->guides,
                                         .vertex_hook = params->vertex_hook,
                                         .vertex_hook_user = params->vertex_hook_user};
