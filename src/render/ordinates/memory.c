@@ -58,7 +58,7 @@ double ord_memory(const air_with_ordinates *with, bool deep)
     const double planes = 3.0 * 3.0 + 2.0; /* coefficients, mean extinction, depth to the camera */
     const double kinds = (double)with->all + (double)with->single;
     const double media = (double)with->snapshot->media.count * kinds * CHANNELS;
-    return cells * (planes + media) * sizeof(float) + block_bytes(with) +
+    return cells * (planes + media) * sizeof(float) + block_bytes(with) + ord_voxels_bytes(with) +
            (deep ? solver_bytes(with) : 0.0) +
            (deep && with->snapshot->accelerator != NULL ? surface_bytes(with) : 0.0);
 }

@@ -4,6 +4,7 @@
 
 #include "render/ordinates/domain.h"
 #include "render/ordinates/sky.h"
+#include "render/ordinates/voxels.h"
 #include "render/ordinates/with_ordinates.h"
 
 /* One medium as the march meets it. */
@@ -27,14 +28,27 @@ struct air_with_ordinates {
     size_t medium_count;
     float *carried; /* what cells scatter towards the camera, over sigma_s, of light that grids of
                        its own carried; with the true extinction; NULL: there is none */
-    float *extinction; /* of each cell, mean over channels */
-    float largest;     /* of these */
-    bool all, single;  /* march for both terms together; for M1 alone */
-    bool first_wanted; /* M1 is */
+    float *extinction;  /* of each cell, mean over channels */
+    float largest;      /* of these */
+    ord_voxels *voxels; /* by region; NULL: none */
+    bool all, single;   /* march for both terms together; for M1 alone */
+    bool first_wanted;  /* M1 is */
+    bool carries;       /* some light has grids of its own */
 };
+
+/* Stretches of rays that go through voxels of one region each; lanes that meet others go by
+ * themselves. */
+enum { ORD_SPANS = 8 };
+
+typedef struct ord_span {
+    float t0, t1;
+    uint32_t region;
+} ord_span;
 
 struct air_march_scratch {
     air_ray_media media;
+    ord_span spans[AIR_PATH_LANES][ORD_SPANS];
+    size_t span_count[AIR_PATH_LANES];
 };
 
 enum { ORD_BLOCK = 16 /* sources whose fluences are in memory at a time */ };
@@ -47,9 +61,9 @@ double ord_memory(const air_with_ordinates *with, bool deep);
 air_status ord_solve(air_with_ordinates *with, const struct air_owner_table *owners,
                      const air_camera_view *view, const air_render_params *params);
 
-/* Radiance towards the camera along a lane's ray: [0] of all light, [1] of M1 alone, as asked for.
- */
+/* Radiance towards the camera along the rays of count lanes: [0] of all light, [1] of M1 alone, as
+ * asked for. */
 void ord_march(const air_with_ordinates *with, air_march_scratch *scratch,
-               const air_path_lane *lane, air_vec3 out[2]);
+               const air_path_lane *lanes, size_t count, air_vec3 (*out)[2]);
 
 #endif

@@ -48,14 +48,17 @@ const air_method_kind air_ordinates_method = {"ordinates", mode_names, AIR_ORDIN
 
 /* ---- getting ready ---- */
 
-static bool some_light_is_owned(const air_owner_table *owners)
+/* Is some light owned; does some of it have grids of its own? */
+static bool some_light_is_owned(const air_owner_table *owners, bool *out_carries)
 {
+    bool any = false;
+    *out_carries = false;
     for (size_t i = 0; i < owners->light_count; i++) {
-        if (air_owner_table_uses(owners, i, AIR_METHOD_ORDINATES)) {
-            return true;
-        }
+        const bool owned = air_owner_table_uses(owners, i, AIR_METHOD_ORDINATES);
+        any = any || owned;
+        *out_carries = *out_carries || (owned && owners->modes[i] != AIR_ORDINATES_MODE_DOM);
     }
-    return false;
+    return any;
 }
 
 /* Before anything large is allocated: the machine would rather swap than say no. */
@@ -101,8 +104,9 @@ air_status air_with_ordinates_create(const air_path *path, const air_owner_table
     air_context *const context = path->snapshot->context;
     const bool first = (terms >> AIR_TERM_M1 & 1u) != 0;
     const bool rest = (terms >> AIR_TERM_M2 & 1u) != 0 && params->max_depth > 1;
+    bool carries;
     *out = NULL;
-    if (!some_light_is_owned(owners) || !(first || rest)) {
+    if (!some_light_is_owned(owners, &carries) || !(first || rest)) {
         return AIR_OK;
     }
     air_with_ordinates *const with = air_allocate(context, 1, sizeof *with);
@@ -116,10 +120,14 @@ air_status air_with_ordinates_create(const air_path *path, const air_owner_table
     with->all = rest;
     with->single = split || !(first && rest);
     with->first_wanted = first;
+    with->carries = carries;
     with->past = params->state != NULL ? &params->state->ordinates : NULL;
     ord_past_begin(with->past);
     air_status status = ord_domain_place(with->snapshot, params->ordinates.cells,
                                          ord_past_lattice(with->past), &with->domain);
+    if (status == AIR_OK) {
+        status = ord_voxels_lay_out(with, (size_t)params->width * params->height);
+    }
     if (status == AIR_OK) {
         status = check_memory(with);
     }
@@ -131,6 +139,9 @@ air_status air_with_ordinates_create(const air_path *path, const air_owner_table
     }
     if (status == AIR_OK) {
         status = ord_solve(with, owners, view, params);
+    }
+    if (status == AIR_OK) {
+        status = ord_voxels_fill(with);
     }
     if (status != AIR_OK) {
         air_with_ordinates_destroy(with);
@@ -150,6 +161,7 @@ void air_with_ordinates_destroy(air_with_ordinates *with)
         air_free(with->context, with->media[i].first);
     }
     air_free(with->context, with->media);
+    ord_voxels_finish(with);
     ord_sky_finish(&with->sky);
     air_free(with->context, with->carried);
     air_free(with->context, with->extinction);
@@ -198,15 +210,15 @@ void air_march_scratch_destroy(const air_with_ordinates *with, air_march_scratch
 void air_with_ordinates_add(const air_with_ordinates *with, air_march_scratch *scratch,
                             air_path_lane *lanes, size_t count)
 {
+    air_vec3 light[AIR_PATH_LANES][2];
+    ord_march(with, scratch, lanes, count, light);
     for (size_t i = 0; i < count; i++) {
-        air_vec3 light[2];
         air_vec3 *const m1 = &lanes[i].terms[AIR_TERM_M1], *const m2 = &lanes[i].terms[AIR_TERM_M2];
-        ord_march(with, scratch, &lanes[i], light);
         if (with->all) {
-            *m2 = vec3_add(*m2, with->single ? vec3_sub(light[0], light[1]) : light[0]);
+            *m2 = vec3_add(*m2, with->single ? vec3_sub(light[i][0], light[i][1]) : light[i][0]);
         }
         if (with->single && with->first_wanted) {
-            *m1 = vec3_add(*m1, light[1]);
+            *m1 = vec3_add(*m1, light[i][1]);
         }
     }
 }
