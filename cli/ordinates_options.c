@@ -35,7 +35,7 @@ static const cli_option ordinates_options[] = {
      .max = AIR_DOM_BANDS_MAX,
      .offset = offsetof(cli_ordinates_options, bands),
      .help = "Of dom and shdom: orders of spherical harmonics that scattered light keeps; by "
-             "--quality 4, 4, 6 or 8."},
+             "--quality 4, 4, 6 or 8, and at least 6 where a mean cosine is above 0.9."},
     {.name = "angles",
      .kind = CLI_COUNTS,
      .value = "PxA",
@@ -94,17 +94,11 @@ cli_option_group cli_ordinates_group(cli_ordinates_options *options)
                               sizeof ordinates_options / sizeof ordinates_options[0], options};
 }
 
-/* The least rule that the solver takes for so many bands. */
-static void choose_angles(air_ordinates_settings *settings)
-{
-    settings->polar = (settings->bands + 1) / 2 * 2;
-    settings->azimuths = (2 * settings->bands + 3) / 4 * 4;
-}
-
 cli_exit cli_ordinates_check(const cli_ordinates_options *options, int quality_bands)
 {
     const uint64_t *const angles = options->angles.value;
-    const uint64_t bands = options->bands.set ? options->bands.value : (uint64_t)quality_bands;
+    const uint64_t least = quality_bands > 0 ? (uint64_t)quality_bands : 2; /* whatever the media */
+    const uint64_t bands = options->bands.set ? options->bands.value : least;
     if (!options->angles.set) {
         return CLI_OK;
     }
@@ -139,7 +133,6 @@ void cli_ordinates_set(const cli_ordinates_options *options, air_ordinates_setti
     if (options->bands.set) {
         settings->bands = (int)options->bands.value;
     }
-    choose_angles(settings);
     if (options->angles.set) {
         settings->polar = (int)options->angles.value[0];
         settings->azimuths = (int)options->angles.value[1];

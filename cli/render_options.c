@@ -17,7 +17,7 @@ static const char *const quality_names[] = {"interactive", "draft", "medium", "h
 enum { QUALITY_MEDIUM = 2 };
 
 /* What --quality stands for, and of method ordinates: the numbers that are not the library's
- * defaults. */
+ * defaults; bands 0: by the media. */
 typedef struct quality {
     uint32_t spp, max_depth;
     const char *method;
@@ -26,8 +26,8 @@ typedef struct quality {
 } quality;
 
 static const quality qualities[] = {
-    {4, UINT32_MAX, "interactive", 20, 64, 16, 24, 20, 1, 4},
-    {16, 8, "auto", 24, 64, 32, 16, 24, 2, 4},
+    {4, UINT32_MAX, "interactive", 20, 64, 16, 24, 20, 1, 0},
+    {16, 8, "auto", 24, 64, 32, 16, 24, 2, 0},
     {64, 32, "auto", 32, 128, 64, 64, 32, 2, 6},
     {512, UINT32_MAX, "auto", 48, 256, 256, 256, 48, 2, 8},
 };

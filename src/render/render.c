@@ -34,9 +34,6 @@ void air_render_params_default(air_render_params *params)
     params->ordinates = (air_ordinates_settings){.cells = 32,
                                                  .directions = 64,
                                                  .patches = 64,
-                                                 .bands = 5,
-                                                 .polar = 6,
-                                                 .azimuths = 12,
                                                  .sweeps = 64,
                                                  .change = 1e-3,
                                                  .steps = 32,
@@ -51,14 +48,16 @@ void air_render_params_default(air_render_params *params)
 /* As air_dom_create, which comes late: after all light was carried to the cells. */
 static air_status check_angles(air_context *context, const air_ordinates_settings *o)
 {
-    if (o->bands < 1 || o->bands > AIR_DOM_BANDS_MAX || o->polar % 2 != 0 || o->polar < 2 ||
-        o->polar < o->bands || o->polar > 64 || o->azimuths % 4 != 0 || o->azimuths < 4 ||
-        o->azimuths < 2 * o->bands || o->azimuths > 128) {
+    const bool polar = o->polar == 0 || (o->polar % 2 == 0 && o->polar >= 2 &&
+                                         o->polar >= o->bands && o->polar <= 64);
+    const bool azimuths = o->azimuths == 0 || (o->azimuths % 4 == 0 && o->azimuths >= 4 &&
+                                               o->azimuths >= 2 * o->bands && o->azimuths <= 128);
+    if (o->bands < 0 || o->bands > AIR_DOM_BANDS_MAX || !polar || !azimuths) {
         return air_fail(
             context, AIR_ERROR_ARGUMENT,
             "ordinates: %d x %d angles for %d bands: expected 1 to %d bands, an even number of "
             "polar angles, at least as many as bands and at most 64, and a multiple of 4 round "
-            "the axis, at least twice as many as bands and at most 128",
+            "the axis, at least twice as many as bands and at most 128; 0 is a choice by the media",
             o->polar, o->azimuths, o->bands, (int)AIR_DOM_BANDS_MAX);
     }
     return AIR_OK;

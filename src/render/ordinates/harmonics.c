@@ -177,7 +177,7 @@ air_status ord_carry_harmonics(ord_carrying *carrying)
     solved s = {.dom = NULL};
     uint32_t faces = 0;
     air_dom_params_default(&s.params);
-    air_dom_params_shdom(&s.params, carrying->with->settings->bands);
+    air_dom_params_shdom(&s.params, carrying->with->rule.bands);
     air_status status = solved_make(carrying, &s);
     if (status == AIR_OK) {
         status = add_harmonics(carrying, &s, inflow, &faces);

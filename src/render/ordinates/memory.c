@@ -24,15 +24,10 @@ static double block_bytes(const air_with_ordinates *with)
 static double solver_bytes(const air_with_ordinates *with)
 {
     const ord_domain *const d = &with->domain;
-    const air_ordinates_settings *const s = with->settings;
-    const double bands = (double)s->bands;
-    air_dom_params dom;
+    const double bands = (double)with->rule.bands;
+    air_dom_params dom = with->rule;
     air_dom_solve_params solve;
-    air_dom_params_default(&dom);
     air_dom_solve_params_default(&solve);
-    dom.bands = s->bands;
-    dom.polar = s->polar;
-    dom.azimuths = s->azimuths;
     for (int axis = 0; axis < 3; axis++) {
         dom.size[axis] = d->size[axis];
         dom.cell_m[axis] = d->cell_m;
@@ -46,7 +41,7 @@ static double solver_bytes(const air_with_ordinates *with)
 /* Of light that surfaces send back: photons, and copies of what there was before. */
 static double surface_bytes(const air_with_ordinates *with)
 {
-    const double bands = (double)with->settings->bands, media = (double)with->snapshot->media.count;
+    const double bands = (double)with->rule.bands, media = (double)with->snapshot->media.count;
     const double four = CHANNELS * sizeof(float);
     return (double)with->domain.cells * four * (2.0 * bands * bands + media) +
            2.0 * ORD_PHOTONS * (ORD_ROUNDS + 1.0) * (double)sizeof(ord_photon);

@@ -148,13 +148,9 @@ static air_status make_sky(air_with_ordinates *with, const air_owner_table *owne
 
 static void set_up(ord_solving *self, const air_camera_view *view, const air_render_params *params)
 {
-    const air_ordinates_settings *const settings = self->with->settings;
-    air_dom_params_default(&self->dom);
-    self->dom.bands = settings->bands;
-    self->dom.polar = settings->polar;
-    self->dom.azimuths = settings->azimuths;
+    self->dom = self->with->rule;
     /* Where events are counted, those of the forward peak count too. */
-    self->dom.delta_m = params->max_depth > settings->sweeps;
+    self->dom.delta_m = params->max_depth > self->with->settings->sweeps;
     self->scatter_most = params->max_depth - 1;
     set_box(self, view);
 }

@@ -2,6 +2,7 @@
 #ifndef AIR_RENDER_ORDINATES_STATE_H
 #define AIR_RENDER_ORDINATES_STATE_H
 
+#include "airlight/ordinates_dom.h"
 #include "render/ordinates/domain.h"
 #include "render/ordinates/sky.h"
 #include "render/ordinates/voxels.h"
@@ -20,8 +21,9 @@ struct air_with_ordinates {
     const air_snapshot *snapshot;
     const air_path *path;
     const air_ordinates_settings *settings;
-    ord_past *past;   /* or NULL */
-    uint64_t history; /* of what was taken from there; 0: nothing */
+    air_dom_params rule; /* bands and angles; the rest is not set */
+    ord_past *past;      /* or NULL */
+    uint64_t history;    /* of what was taken from there; 0: nothing */
     ord_domain domain;
     ord_sky sky;
     ord_medium *media; /* by medium */
@@ -52,6 +54,9 @@ struct air_march_scratch {
 };
 
 enum { ORD_BLOCK = 16 /* sources whose fluences are in memory at a time */ };
+
+/* Sets with->rule: what is asked for, or what the media need. */
+void ord_rule_choose(air_with_ordinates *with);
 
 /* Bytes that a solution takes at its height, from the domain's size, the settings and what is
  * wanted. `deep`: light of more than one event. */

@@ -71,7 +71,7 @@ static air_status check_memory(air_with_ordinates *with)
                         "ordinates: %zu x %zu x %zu cells with %d bands need %.1f GB of memory, "
                         "the machine has %.1f GB: expected fewer cells (now %u along the longest "
                         "side) or fewer bands",
-                        d->size[0], d->size[1], d->size[2], with->settings->bands, bytes * 1e-9,
+                        d->size[0], d->size[1], d->size[2], with->rule.bands, bytes * 1e-9,
                         machine * 1e-9, with->settings->cells);
     }
     air_inform(with->context, "ordinates: %zu x %zu x %zu cells of %.3g m, %.3g GB of memory",
@@ -122,6 +122,7 @@ air_status air_with_ordinates_create(const air_path *path, const air_owner_table
     with->first_wanted = first;
     with->carries = carries;
     with->past = params->state != NULL ? &params->state->ordinates : NULL;
+    ord_rule_choose(with);
     ord_past_begin(with->past);
     air_status status = ord_domain_place(with->snapshot, params->ordinates.cells,
                                          ord_past_lattice(with->past), &with->domain);
@@ -175,10 +176,10 @@ uint64_t air_with_ordinates_fingerprint(const air_with_ordinates *with, uint64_t
     const uint32_t numbers[] = {s->cells,
                                 s->directions,
                                 s->patches,
-                                (uint32_t)s->bands,
+                                (uint32_t)with->rule.bands,
                                 s->sweeps,
-                                (uint32_t)s->polar,
-                                (uint32_t)s->azimuths,
+                                (uint32_t)with->rule.polar,
+                                (uint32_t)with->rule.azimuths,
                                 s->steps,
                                 s->march,
                                 (uint32_t)s->prefilter,
