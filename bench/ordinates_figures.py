@@ -5,12 +5,14 @@ contact sheets. Needs NumPy and Pillow, and the scenes made by others in ../shar
     python3 bench/ordinates_figures.py --sheet docs/ordinates-modes.png
     python3 bench/ordinates_figures.py --directions docs/ordinates-directions.png
 
-The first renders each scene at the interactive level by modes dom, cm, literal and shdom, and by
-path. Printed are, of light that media scatter (M1 and M2): bias, relative to its mean by path; of
-the picture: relMSE (docs/metrics.md) when those two terms are replaced by the mode's, less the
-variance of the reference; seconds of processor time; and how many times longer path needs until its
-own variance is as large as the mode's squared error. The sheet has the pictures and, below, what is
-too much in red and too little in blue, full at a quarter of the mean.
+The first renders each scene at the interactive level by modes dom, cm, literal and shdom, and twice
+by path. Printed are, of light that media scatter (M1 and M2): bias, relative to its mean by path; of
+the picture: relMSE, the product of the differences to either of path's pictures, which have noise in
+common with neither each other nor the mode, over the square of the picture with the mode's light
+(rare bright samples of path would lower the weight of their own pixels); seconds of processor time;
+and how many times longer path needs until its own variance is as large as the mode's squared error.
+The sheet has the pictures and, below, what is too much in red and too little in blue, full at a
+quarter of the mean.
 
 The second renders one scene with 1, 4, 16, 64 and 256 directions, with and without prefilter,
 importance and residuum, as figures 6 to 8, 14 and 15 of [Elek2014] do.
@@ -52,29 +54,35 @@ def colour(path, layer=""):
     return exr.colour(exr.read(path), layer)
 
 
-def reference(options, name, scene):
-    """Channels of path's picture and its seconds; kept from run to run."""
-    out = os.path.join(options.cache, f"{name}-{options.width}-{options.spp}.exr")
-    note = out + ".seconds"
-    if not os.path.exists(note):
-        extra = ["--method", "path", "--layers", "--variance", "--spp", str(options.spp)]
-        seconds = run(options, scene, out, extra + ["--max-depth", "1000000"])
-        with open(note, "w") as file:
-            file.write(str(seconds))
-    with open(note) as file:
-        return exr.read(out), float(file.read())
+class Reference:
+    """Two pictures by path and the seconds that one took; kept from run to run."""
 
+    def __init__(self, options, name, scene):
+        pictures, self.seconds = [], 0.0
+        for seed in (1, 2):
+            out = os.path.join(options.cache, f"{name}-{options.width}-{options.spp}-{seed}.exr")
+            note = out + ".seconds"
+            if not os.path.exists(note):
+                extra = ["--method", "path", "--layers", "--spp", str(options.spp)]
+                extra += ["--seed", str(seed), "--max-depth", "1000000"]
+                with open(note + ".part", "w") as file:
+                    file.write(str(run(options, scene, out, extra)))
+                os.rename(note + ".part", note)
+            with open(note) as file:
+                self.seconds += float(file.read()) / 2.0
+            pictures.append(exr.read(out))
+        self.media = [sum(exr.colour(p, t) for t in ("M1", "M2")) for p in pictures]
+        self.truth = (self.media[0] + self.media[1]) / 2.0
+        self.whole = (exr.colour(pictures[0]) + exr.colour(pictures[1])) / 2.0
 
-def errors(media, channels, seconds, own_seconds):
-    """Bias, relMSE and path's time for it over one's own."""
-    whole, truth = exr.colour(channels), sum(exr.colour(channels, t) for t in ("M1", "M2"))
-    variance = exr.colour(channels, "variance")
-    scale = whole**2 + 1e-4 * whole.mean() ** 2
-    noise = (variance / scale).mean()
-    error = ((media - truth) ** 2 / scale).mean() - noise
-    bias = media.mean() / truth.mean() - 1.0
-    ratio = seconds * noise / max(error, 1e-9) / own_seconds
-    return bias, error, noise, ratio
+    def errors(self, media, own_seconds):
+        """Bias, relMSE, that of one of the two, and path's time for it over one's own."""
+        whole = self.whole - self.truth + media
+        scale = whole**2 + 1e-4 * whole.mean() ** 2
+        noise = ((self.media[0] - self.media[1]) ** 2 / scale).mean() / 2.0
+        error = ((media - self.media[0]) * (media - self.media[1]) / scale).mean()
+        bias = media.mean() / self.truth.mean() - 1.0
+        return bias, error, noise, self.seconds * noise / max(error, 1e-9) / own_seconds
 
 
 # ---- sheets ----
@@ -111,21 +119,21 @@ def compare_modes(options, found, folder):
     rows = []
     print(f"{'scene':16}{'mode':10}{'bias':>9}{'relMSE':>10}{'s':>8}{'path, times':>13}")
     for name, scene in found.items():
-        channels, seconds = reference(options, name, scene)
-        whole = exr.colour(channels)
-        truth = exr.colour(channels, "M1") + exr.colour(channels, "M2")
+        path = Reference(options, name, scene)
+        whole, truth = path.whole, path.truth
         pictures = [(name + ", path", tone(whole, whole.mean()))]
         differences = [("difference", np.full(whole.shape, 255, np.uint8))]
         for mode in options.modes:
             out = os.path.join(folder, "mode.exr")
             extra = ["--quality", "interactive", "--method", "ordinates:" + mode]
+            extra += ["--bands", str(options.bands)] if options.bands else []
             own = run(options, scene, out, extra + ["--terms", "M1,M2"])
             media = colour(out)
-            bias, error, noise, ratio = errors(media, channels, seconds, own)
+            bias, error, noise, ratio = path.errors(media, own)
             print(f"{name:16}{mode:10}{bias:+9.2%}{error:10.2g}{own:8.2f}{ratio:13.0f}")
             pictures.append((mode, tone(whole + media - truth, whole.mean())))
             differences.append((f"{bias:+.1%}, {error:.1e}", signed(media - truth, whole.mean())))
-        print(f"{name:16}{'path':10}{'':9}{noise:10.2g}{seconds:8.2f}")
+        print(f"{name:16}{'path':10}{'':9}{noise:10.2g}{path.seconds:8.2f}")
         rows += [pictures, differences]
     if options.sheet:
         sheet(rows, options.sheet)
@@ -133,8 +141,7 @@ def compare_modes(options, found, folder):
 
 def compare_directions(options, scene, folder):
     rows = []
-    channels, _ = reference(options, options.scene, scene)
-    truth = exr.colour(channels, "M1") + exr.colour(channels, "M2")
+    truth = Reference(options, options.scene, scene).truth
     for label, switch in SWITCHES.items():
         for mode in ("cm",) if label == "no residuum" else ("dom", "cm"):
             row = []
@@ -157,9 +164,10 @@ def main():
     parser.add_argument("--airlight", default=os.path.join(here, "../build/release/airlight"))
     parser.add_argument("--shared", default=os.path.join(here, "../../shared/scenes"), type=os.path.abspath)
     parser.add_argument("--width", type=int, default=160)
-    parser.add_argument("--spp", type=int, default=512, help="of path")
+    parser.add_argument("--spp", type=int, default=256, help="of each picture by path")
     parser.add_argument("--cache", help="folder that keeps path's pictures")
     parser.add_argument("--modes", nargs="+", default=MODES)
+    parser.add_argument("--bands", type=int, help="for the level's")
     parser.add_argument("--only", nargs="+", help="of the scenes")
     parser.add_argument("--sheet", help="PNG of the modes")
     parser.add_argument("--directions", help="PNG of numbers of directions, of --scene alone")

@@ -16,6 +16,9 @@ enum { PER_PIXEL = 32, MOST_VOXELS = 1 << 24 };
 #define PER_CELL   2.0f
 #define PER_HEIGHT 8.0f
 
+/* Per voxel of a grid that lies across the world's axes. */
+#define PER_TURNED 2.0f
+
 /* ---- where ---- */
 
 /* Do a grid's axes lie along the world's, in their order? */
@@ -43,6 +46,14 @@ static void set_axis(ord_voxels *v, int axis, float low, float edge_m, float siz
     v->step_m = axis == 0 ? edge_m : float_min(v->step_m, edge_m);
 }
 
+/* How many voxels are made of one of the grid's, which are too long to tell cells apart: an odd
+ * number, so that what lay at a centre does so still. */
+static float parts_of(const ord_domain *domain, float edge_m)
+{
+    const float parts = ceilf(edge_m * PER_CELL / domain->cell_m - 1e-3f);
+    return float_max(1.0f, 2.0f * floorf(0.5f * parts) + 1.0f);
+}
+
 /* Voxels that are a part of the grid's own. */
 static void lay_on_grid(const ord_domain *domain, const air_medium *medium, ord_voxels *v)
 {
@@ -57,7 +68,9 @@ static void lay_on_grid(const ord_domain *domain, const air_medium *medium, ord_
         const float end = ceilf((domain->origin[axis] + extent) * scale + shift);
         const float low = float_min(float_max(begin, 0.0f), last);
         const float high = float_min(float_max(end, low), last);
-        set_axis(v, axis, (low - 0.5f - shift) / scale, 1.0f / scale, high - low + 1.0f);
+        const float parts = parts_of(domain, 1.0f / scale);
+        set_axis(v, axis, (low - 0.5f - shift) / scale, 1.0f / (scale * parts),
+                 (high - low + 1.0f) * parts);
     }
 }
 
@@ -95,7 +108,7 @@ static float edge_of(const ord_domain *domain, const air_medium *medium)
     const float cell = domain->cell_m / PER_CELL;
     switch (medium->kind) {
     case AIR_DENSITY_GRID:
-        return grid_edge(medium);
+        return float_min(cell, grid_edge(medium) / PER_TURNED);
     case AIR_DENSITY_EXPONENTIAL:
         return float_min(cell, 1.0f / (PER_HEIGHT * medium->inverse_scale_height));
     default:
@@ -254,7 +267,7 @@ static void fill_extinction(void *user, size_t k, size_t worker)
     }
 }
 
-/* sent / sigma, as albedo times light; 0 where nothing scatters. */
+/* What is sent over extinction, as albedo times light; 0 where nothing scatters. */
 static void put_light(const air_volume *volume, size_t voxel, air_vec3 sigma_s, air_vec3 sigma_t,
                       const ord_corners *corners, const float *light)
 {
@@ -270,32 +283,25 @@ static void put_light(const air_volume *volume, size_t voxel, air_vec3 sigma_s, 
     }
 }
 
-/* In the middle of nothing the medium counts as it is elsewhere: light is interpolated to there. */
-static air_coefficients coefficients_at(const filling *f, air_vec3 point)
-{
-    const air_coefficients c = air_medium_coefficients(f->medium, f->region, point);
-    return vec3_is_zero(c.sigma_t)
-               ? (air_coefficients){f->medium->sigma_s, f->medium->sigma_t, f->medium->emission}
-               : c;
-}
-
+/* The albedo is that at density 1: next to voxels that hold something it is needed where there is
+ * nothing, too. */
 static void fill_voxel_light(const filling *f, size_t i, size_t j, size_t k)
 {
     const air_with_ordinates *const with = f->with;
     const size_t *const size = f->voxels->volume[0].size;
     const size_t voxel = (k * size[1] + j) * size[0] + i;
     const air_vec3 point = centre_of(f->voxels, i, j, k);
-    const air_coefficients found = air_medium_coefficients(f->medium, f->region, point);
-    const air_coefficients c = coefficients_at(f, point);
+    const air_coefficients full = air_medium_full_coefficients(f->medium, point);
     ord_corners corners = ord_corners_find(&with->domain, point, !with->settings->bilateral);
     if (with->settings->bilateral) {
-        ord_corners_weigh(with, vec3_mean(found.sigma_t), &corners);
+        const air_coefficients c = air_medium_coefficients(f->medium, f->region, point);
+        ord_corners_weigh(with, vec3_mean(c.sigma_t), &corners);
     }
     const air_volume *const volume = f->voxels->volume;
-    const air_vec3 solved = solved_extinction(c.sigma_s, c.sigma_t, f->light->peak);
-    put_light(&volume[ORD_SOLVED], voxel, c.sigma_s, solved, &corners, f->light->light);
-    put_light(&volume[ORD_FIRST], voxel, c.sigma_s, c.sigma_t, &corners, f->light->first);
-    put_light(&volume[ORD_CARRIED], voxel, c.sigma_s, c.sigma_t, &corners, with->carried);
+    const air_vec3 solved = solved_extinction(full.sigma_s, full.sigma_t, f->light->peak);
+    put_light(&volume[ORD_SOLVED], voxel, full.sigma_s, solved, &corners, f->light->light);
+    put_light(&volume[ORD_FIRST], voxel, full.sigma_s, full.sigma_t, &corners, f->light->first);
+    put_light(&volume[ORD_CARRIED], voxel, full.sigma_s, full.sigma_t, &corners, with->carried);
 }
 
 static size_t blocks(size_t voxels) { return (voxels + AIR_VOLUME_BLOCK - 1) / AIR_VOLUME_BLOCK; }

@@ -77,15 +77,10 @@ static air_coefficients scaled(const air_medium *medium, float density)
                               vec3_scale(medium->emission, density)};
 }
 
-static air_coefficients grid_coefficients(const air_medium *medium, air_vec3 point)
+/* Of a medium with a density grid, where that has this value. */
+static air_coefficients at_density(const air_medium *medium, air_vec3 point, air_vec3 density)
 {
-    const air_vec3 density =
-        air_grid_lookup(medium->density_grid, affine_point(medium->world_to_grid, point));
-    air_coefficients out = {vec3_set1(0.0f), vec3_set1(0.0f), vec3_set1(0.0f)};
-    if (vec3_is_zero(density)) {
-        return out;
-    }
-    out.sigma_t = vec3_mul(medium->sigma_t, density);
+    air_coefficients out = {.sigma_t = vec3_mul(medium->sigma_t, density)};
     if (medium->albedo_grid != NULL) {
         const air_vec3 albedo =
             air_grid_lookup(medium->albedo_grid, affine_point(medium->world_to_albedo, point));
@@ -102,6 +97,23 @@ static air_coefficients grid_coefficients(const air_medium *medium, air_vec3 poi
                                                    affine_point(medium->world_to_emission, point)));
     }
     return out;
+}
+
+static air_coefficients grid_coefficients(const air_medium *medium, air_vec3 point)
+{
+    const air_vec3 density =
+        air_grid_lookup(medium->density_grid, affine_point(medium->world_to_grid, point));
+    if (vec3_is_zero(density)) {
+        return (air_coefficients){vec3_set1(0.0f), vec3_set1(0.0f), vec3_set1(0.0f)};
+    }
+    return at_density(medium, point, density);
+}
+
+air_coefficients air_medium_full_coefficients(const air_medium *medium, air_vec3 point)
+{
+    const air_vec3 full = vec3_set1(1.0f);
+    return medium->kind == AIR_DENSITY_GRID ? at_density(medium, point, full)
+                                            : scaled(medium, 1.0f);
 }
 
 air_coefficients air_medium_coefficients(const air_medium *medium, const air_region *region,

@@ -16,6 +16,9 @@ typedef struct air_coefficients {
 air_coefficients air_medium_coefficients(const air_medium *medium, const air_region *region,
                                          air_vec3 point);
 
+/* Likewise at density 1, whatever it is there. */
+air_coefficients air_medium_full_coefficients(const air_medium *medium, air_vec3 point);
+
 /* The integral over t of an exponential medium's density at origin + t dir, from t0 to t1 >= t0; t1
  * may be INFINITY. */
 float air_exponential_depth(const air_medium *medium, air_vec3 origin, air_vec3 dir, float t0,
