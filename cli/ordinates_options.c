@@ -81,11 +81,11 @@ static const cli_option ordinates_options[] = {
      .kind = CLI_FLAG,
      .offset = offsetof(cli_ordinates_options, no_residuum),
      .help = "Of cm, six and literal: drop light that is still under way after --steps."},
-    {.name = "bilateral",
+    {.name = "no-bilateral",
      .kind = CLI_FLAG,
-     .offset = offsetof(cli_ordinates_options, bilateral),
-     .help = "Take light from cells of like density, which keeps it from bleeding over sharp edges "
-             "of media."},
+     .offset = offsetof(cli_ordinates_options, no_bilateral),
+     .help = "Take light from cells by their distance alone, not from those of like density, which "
+             "keeps it from bleeding over sharp edges of media."},
 };
 
 cli_option_group cli_ordinates_group(cli_ordinates_options *options)
@@ -140,5 +140,5 @@ void cli_ordinates_set(const cli_ordinates_options *options, air_ordinates_setti
     settings->prefilter = settings->prefilter && !options->no_prefilter;
     settings->importance = settings->importance || options->importance;
     settings->residuum = settings->residuum && !options->no_residuum;
-    settings->bilateral = settings->bilateral || options->bilateral;
+    settings->bilateral = settings->bilateral && !options->no_bilateral;
 }

@@ -10,7 +10,7 @@
 typedef struct cli_ordinates_options {
     cli_count cells, directions, patches, bands, sweeps, steps, march;
     cli_counts angles;
-    bool no_prefilter, importance, no_residuum, bilateral;
+    bool no_prefilter, importance, no_residuum, no_bilateral;
 } cli_ordinates_options;
 
 cli_option_group cli_ordinates_group(cli_ordinates_options *options);

@@ -139,7 +139,7 @@ static void every_option_reaches_the_settings(void **state)
     static const char *const options[][3] = {
         {"--cells", "7"},    {"--directions", "3"}, {"--patches", "3"}, {"--bands", "5"},
         {"--angles", "6x8"}, {"--sweeps", "3"},     {"--steps", "3"},   {"--march", "3"},
-        {"--no-prefilter"},  {"--importance"},      {"--no-residuum"},  {"--bilateral"},
+        {"--no-prefilter"},  {"--importance"},      {"--no-residuum"},  {"--no-bilateral"},
     };
     static const char *const base[] = {"--method", "ordinates", "--quality", "interactive",
                                        "--cells",  "6",         NULL};

@@ -132,8 +132,8 @@ typedef struct air_ordinates_settings {
     uint32_t directions; /* for each environment, [1, 4096]; default 64 */
     uint32_t patches;    /* about so many of each lamp with an area, of all surfaces for what lights
                             send them, and again for what media send them, [1, 4096]; default 64 */
-    int bands;           /* of dom and shdom, as in air_dom_params; 0, the default: 4, and 6 where a
-                            medium scatters ahead with a mean cosine above 0.9 */
+    int bands; /* of dom and shdom, as in air_dom_params; 0: 4, and 6 where a medium scatters
+                  ahead with a mean cosine above 0.9; default 5 */
     int polar, azimuths; /* likewise; 0, the default: the least that the bands take */
     uint32_t sweeps;     /* of dom and shdom at most, >= 1; default 64. A max_depth up to it is
                             kept; one above is as good as none */
@@ -144,7 +144,7 @@ typedef struct air_ordinates_settings {
     bool importance;     /* directions by what the camera sees of them; default false */
     bool residuum;       /* literal, cm, six: light that has lost its direction goes on in one grid;
                             default true */
-    bool bilateral;      /* light is taken from cells of like density; default false */
+    bool bilateral;      /* light is taken from cells of like density; default true */
 } air_ordinates_settings;
 
 typedef struct air_render_params {

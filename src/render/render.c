@@ -34,13 +34,15 @@ void air_render_params_default(air_render_params *params)
     params->ordinates = (air_ordinates_settings){.cells = 32,
                                                  .directions = 64,
                                                  .patches = 64,
+                                                 .bands = 5,
                                                  .sweeps = 64,
                                                  .change = 1e-3,
                                                  .steps = 32,
                                                  .march = 2,
                                                  .prefilter = true,
                                                  .importance = false,
-                                                 .residuum = true};
+                                                 .residuum = true,
+                                                 .bilateral = true};
     params->time_limit_s = INFINITY;
     params->tile_size = 32;
 }

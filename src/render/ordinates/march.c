@@ -17,7 +17,6 @@ typedef struct look {
 static look look_at(const air_with_ordinates *with, uint64_t regions, air_vec3 point)
 {
     const air_media *const media = &with->snapshot->media;
-    ord_corners c = ord_corners_find(&with->domain, point, !with->settings->bilateral);
     air_vec3 sigma_s[AIR_MAX_REGIONS];
     uint32_t medium[AIR_MAX_REGIONS];
     look out;
@@ -35,9 +34,7 @@ static look look_at(const air_with_ordinates *with, uint64_t regions, air_vec3 p
                      vec3_madd(found.sigma_t, -with->media[region->medium].peak, found.sigma_s));
     }
     out.sigma_t[ORD_CARRIED] = out.sigma_t[ORD_FIRST];
-    if (with->settings->bilateral) {
-        ord_corners_weigh(with, vec3_mean(out.sigma_t[ORD_FIRST]), &c);
-    }
+    const ord_corners c = ord_corners_find(with, point, vec3_mean(out.sigma_t[ORD_FIRST]));
     for (size_t i = 0; i < count; i++) {
         const ord_medium *const m = &with->media[medium[i]];
         if (m->light != NULL) {

@@ -292,11 +292,8 @@ static void fill_voxel_light(const filling *f, size_t i, size_t j, size_t k)
     const size_t voxel = (k * size[1] + j) * size[0] + i;
     const air_vec3 point = centre_of(f->voxels, i, j, k);
     const air_coefficients full = air_medium_full_coefficients(f->medium, point);
-    ord_corners corners = ord_corners_find(&with->domain, point, !with->settings->bilateral);
-    if (with->settings->bilateral) {
-        const air_coefficients c = air_medium_coefficients(f->medium, f->region, point);
-        ord_corners_weigh(with, vec3_mean(c.sigma_t), &corners);
-    }
+    const air_coefficients here = air_medium_coefficients(f->medium, f->region, point);
+    const ord_corners corners = ord_corners_find(with, point, vec3_mean(here.sigma_t));
     const air_volume *const volume = f->voxels->volume;
     const air_vec3 solved = solved_extinction(full.sigma_s, full.sigma_t, f->light->peak);
     put_light(&volume[ORD_SOLVED], voxel, full.sigma_s, solved, &corners, f->light->light);
