@@ -1,11 +1,12 @@
 /* medium.h: participating media: coefficients, phase functions, density, boundaries, overlap.
  *
  * A medium is a set of coefficients at density 1 (per channel, linear Rec. 709, 1/m), a density
- * that varies in space (constant, layered, exponential in height, or a grid), a phase function and
- * a boundary outside which it is absent. Where media overlap their coefficients add and the phase
- * function is their sigma_s-weighted mixture, unless one of them replaces (AIR_COMBINE_REPLACE):
- * then, of the media present at a point, those of lower priority than the highest replacing one are
- * absent, and of the replacing ones of that priority only the one added last remains. */
+ * that varies in space (constant, layered, exponential in height, or a grid; any of them with
+ * procedural detail), a phase function and a boundary outside which it is absent. Where media
+ * overlap their coefficients add and the phase function is their sigma_s-weighted mixture, unless
+ * one of them replaces (AIR_COMBINE_REPLACE): then, of the media present at a point, those of lower
+ * priority than the highest replacing one are absent, and of the replacing ones of that priority
+ * only the one added last remains. */
 #ifndef AIRLIGHT_MEDIUM_H
 #define AIRLIGHT_MEDIUM_H
 
@@ -23,7 +24,7 @@ extern "C" {
 typedef uint32_t air_handle;
 enum { AIR_NONE = 0 };
 
-enum { AIR_MAX_MEDIA = 64, AIR_MAX_PLANES = 32, AIR_MAX_LAYERS = 32 };
+enum { AIR_MAX_MEDIA = 64, AIR_MAX_PLANES = 32, AIR_MAX_LAYERS = 32, AIR_MAX_OCTAVES = 12 };
 
 typedef enum air_phase_kind {
     AIR_PHASE_ISOTROPIC = 0,
@@ -81,6 +82,17 @@ typedef enum air_density_kind {
     AIR_DENSITY_GRID = 3         /* trilinear in a grid, 0 outside it */
 } air_density_kind;
 
+/* Procedural detail: the density is multiplied by a factor of mean 1 within [1 - strength,
+ * 1 + strength], noise that is fixed in a space of the medium's own. Its standard deviation is
+ * about 0.6 strength. A medium with detail must have an end: a boundary, or a grid. */
+typedef struct air_detail {
+    float strength;     /* [0, 1); 0: none, and the rest is not looked at */
+    float scale;        /* size of the largest features, metres of that space; > 0 */
+    uint32_t octaves;   /* 1..AIR_MAX_OCTAVES; each is half as large and half as strong */
+    uint32_t seed;      /* any; another one is another pattern of the same kind */
+    float to_world[12]; /* from that space; 3 rows of 4, invertible */
+} air_detail;
+
 typedef struct air_density {
     air_density_kind kind;
     float up[3];        /* unit; height = up . x */
@@ -94,6 +106,7 @@ typedef struct air_density {
     air_handle albedo_grid;              /* sigma_s/sigma_t, 3 channels, or AIR_NONE */
     air_handle emission_grid;            /* scales emission, 1 or 3 channels, or AIR_NONE */
     float grid_to_world[12];             /* applied after the grid's own index-to-local map */
+    air_detail detail;                   /* with any kind */
 } air_density;
 
 typedef enum air_combine { AIR_COMBINE_ADD = 0, AIR_COMBINE_REPLACE = 1 } air_combine;
@@ -112,8 +125,9 @@ typedef struct air_medium_desc {
 } air_medium_desc;
 
 /* An unbounded constant medium with all coefficients 0, isotropic, add, priority 0, height along
- * +Y. With density.kind AIR_DENSITY_GRID, an albedo grid redistributes sigma_t = sigma_s + sigma_a.
- */
+ * +Y, no detail (4 octaves of scale 1 and seed 0 in the world's space, should it be given
+ * strength). With density.kind AIR_DENSITY_GRID, an albedo grid redistributes sigma_t = sigma_s +
+ * sigma_a. */
 AIR_API void air_medium_desc_default(air_medium_desc *desc);
 
 /* A dense description of a voxel grid; values are copied (sparse bricks inside).

@@ -30,7 +30,8 @@ static void gather_region(air_ray_media *ray, const air_region *region, air_ray_
         segment->emission = vec3_add(segment->emission, region->emission);
     } else {
         segment->exponential = segment->exponential || medium->kind == AIR_DENSITY_EXPONENTIAL;
-        segment->tracked = segment->tracked || medium->kind == AIR_DENSITY_GRID;
+        segment->tracked =
+            segment->tracked || medium->kind == AIR_DENSITY_GRID || air_medium_is_detailed(medium);
     }
 }
 
@@ -184,11 +185,11 @@ air_coefficients air_ray_media_coefficients(const air_ray_media *ray,
     const air_vec3 point = vec3_madd(ray->origin, t, ray->dir);
     for (uint64_t rest = segment->regions; rest != 0; rest &= rest - 1) {
         const air_region *region = &ray->media->regions[__builtin_ctzll(rest)];
-        const air_medium *medium = &ray->media->media[region->medium];
-        if (medium->kind == AIR_DENSITY_CONSTANT) {
+        if (region->constant) {
             continue;
         }
-        const air_coefficients c = air_medium_coefficients(medium, region, point);
+        const air_coefficients c =
+            air_medium_coefficients(&ray->media->media[region->medium], region, point);
         sum.sigma_s = vec3_add(sum.sigma_s, c.sigma_s);
         sum.sigma_t = vec3_add(sum.sigma_t, c.sigma_t);
         sum.emission = vec3_add(sum.emission, c.emission);

@@ -1,7 +1,7 @@
 /* ray_media.h: the media along one ray, and their optical depth in closed form where there is one.
  *
  * "Closed" segments hold constant and exponential media only: their optical depth is known exactly.
- * Segments with grids are "tracked": see tracking.h. */
+ * Segments with grids or with detail are "tracked": see tracking.h. */
 #ifndef AIR_PATH_RAY_MEDIA_H
 #define AIR_PATH_RAY_MEDIA_H
 
@@ -17,7 +17,7 @@ typedef struct air_ray_segment {
     air_vec3 sigma_s, sigma_t, emission; /* of the constant media together */
     air_vec3 depth;                      /* optical depth of untracked segments before t0 */
     bool exponential;                    /* some exponential medium is present */
-    bool tracked;                        /* some grid is present */
+    bool tracked;                        /* some grid or detail is present */
 } air_ray_segment;
 
 typedef struct air_ray_media {
@@ -62,7 +62,7 @@ static inline air_vec3 air_ray_media_segment_depth(const air_ray_media *ray,
  * depth must be below the total. The ray must be closed. */
 float air_ray_media_invert(const air_ray_media *ray, int channel, float depth, size_t *out_segment);
 
-/* The same within one segment without grids, which need not be of a closed ray; depth counts from
+/* The same within one untracked segment, which need not be of a closed ray; depth counts from
  * where segment->depth does. */
 float air_ray_media_invert_segment(const air_ray_media *ray, const air_ray_segment *segment,
                                    int channel, float depth);

@@ -126,7 +126,7 @@ static const air_media no_media = {.all_constant = true};
 static bool is_endless(const air_medium *medium)
 {
     const air_vec3 sigma_a = vec3_sub(medium->sigma_t, medium->sigma_s);
-    return isinf(medium->bounds_max[0]) && medium->kind == AIR_DENSITY_CONSTANT &&
+    return isinf(medium->bounds_max[0]) && air_medium_is_constant(medium) &&
            vec3_min(sigma_a) <= 0.0f && !vec3_is_zero(medium->sigma_s);
 }
 

@@ -9,18 +9,18 @@ typedef struct majorant_walk {
     const air_ray_media *ray;
     const air_ray_segment *segment;
     float t, t_end;
-    float constant; /* constant media, and grids beyond MAX_GRIDS */
+    float constant; /* constant media, detailed ones too, and grids beyond MAX_GRIDS */
     size_t grid_count;
     struct {
         air_grid_walk walk;
-        float scale; /* largest sigma_t at density 1 */
+        float scale; /* largest sigma_t where the grid is 1 */
         float t1, majorant;
     } grids[MAX_GRIDS];
 } majorant_walk;
 
 static void add_grid(majorant_walk *walk, const air_medium *medium, float t_end)
 {
-    const float scale = vec3_max(medium->sigma_t);
+    const float scale = vec3_max(medium->sigma_t) * air_medium_most(medium);
     if (walk->grid_count == MAX_GRIDS) {
         walk->constant += scale * air_grid_max(medium->density_grid);
         return;
@@ -49,6 +49,8 @@ static void walk_start(majorant_walk *walk, const air_ray_media *ray, size_t seg
         const air_medium *medium = &ray->media->media[region->medium];
         if (medium->kind == AIR_DENSITY_GRID) {
             add_grid(walk, medium, walk->t_end);
+        } else if (medium->kind == AIR_DENSITY_CONSTANT && !region->constant) {
+            walk->constant += vec3_max(region->sigma_t) * air_medium_most(medium);
         }
     }
 }
@@ -68,7 +70,7 @@ static float exponential_majorant(const majorant_walk *walk, float t0, float *t1
         const air_region *region = &walk->ray->media->regions[__builtin_ctzll(rest)];
         const air_medium *medium = &walk->ray->media->media[region->medium];
         if (medium->kind == AIR_DENSITY_EXPONENTIAL) {
-            sum += vec3_max(medium->sigma_t) *
+            sum += vec3_max(medium->sigma_t) * air_medium_most(medium) *
                    air_exponential_max(medium, walk->ray->origin, walk->ray->dir, t0, *t1);
         }
     }

@@ -1,6 +1,7 @@
 /* tracking.h: what cannot be had in closed form: delta tracking for collisions, ratio tracking for
  * transmittance and for the emission of varying media, both with local majorants (bricks of the
- * grids, maxima of exponential media).
+ * grids, maxima of exponential media; of detailed media these times the most that detail makes of
+ * them).
  *
  * One majorant serves all channels, so coloured media need no extra pdf: the choice between real
  * and null collision is made with a probability of its own and every channel is weighted ("spectral

@@ -189,6 +189,12 @@ static json_t *describe_phase(air_phase phase)
     return object;
 }
 
+static json_t *describe_detail(const air_detail_field *detail)
+{
+    return json_pack("{s:o, s:o, s:o}", "strength", number(detail->strength), "scale",
+                     number(detail->feature_m), "octaves", integer(detail->octaves));
+}
+
 static json_t *describe_medium(const air_medium *medium)
 {
     static const char *const boundaries[] = {"unbounded", "box", "convex", "mesh"};
@@ -204,6 +210,8 @@ static json_t *describe_medium(const air_medium *medium)
     json_object_set_new(object, "phase", describe_phase(medium->phase));
     set_if(object, exponential, "base_height", number(medium->base_height));
     set_if(object, exponential, "scale_height", number(1.0f / medium->inverse_scale_height));
+    if (air_medium_is_detailed(medium))
+        json_object_set_new(object, "detail", describe_detail(&medium->detail));
     if (medium->density_grid != NULL)
         json_object_set_new(object, "grid", describe_grid(medium->density_grid));
     if (medium->albedo_grid != NULL)

@@ -125,6 +125,18 @@ static uint64_t add_grid(uint64_t hash, const air_grid *grid, const float world_
     return hash;
 }
 
+/* Media without detail have the fingerprints that they had before there was any. */
+static uint64_t add_detail(uint64_t hash, const air_detail_field *detail)
+{
+    if (detail->strength == 0.0f) {
+        return hash;
+    }
+    hash = ADD(hash, detail->strength);
+    hash = ADD(hash, detail->octaves);
+    hash = ADD(hash, detail->seed);
+    return ADD(hash, detail->to_lattice);
+}
+
 static uint64_t add_medium(uint64_t hash, const air_medium *medium)
 {
     const float numbers[] = {medium->phase.g, medium->base_height, medium->inverse_scale_height};
@@ -141,6 +153,7 @@ static uint64_t add_medium(uint64_t hash, const air_medium *medium)
     hash = ADD(hash, numbers);
     hash = ADD(hash, medium->combine);
     hash = ADD(hash, medium->priority);
+    hash = add_detail(hash, &medium->detail);
     hash = add_grid(hash, medium->density_grid, medium->world_to_grid);
     hash = add_grid(hash, medium->albedo_grid, medium->world_to_albedo);
     return add_grid(hash, medium->emission_grid, medium->world_to_emission);

@@ -59,9 +59,17 @@ size_t air_medium_links(const air_medium_desc *desc, air_link out_links[AIR_MAX_
     return 3;
 }
 
+static bool detail_equal(const air_detail *a, const air_detail *b)
+{
+    return a->strength == b->strength &&
+           (a->strength == 0.0f ||
+            (a->scale == b->scale && a->octaves == b->octaves && a->seed == b->seed &&
+             air_bytes_equal(a->to_world, b->to_world, sizeof a->to_world)));
+}
+
 static bool density_equal(const air_density *a, const air_density *b)
 {
-    if (a->kind != b->kind)
+    if (a->kind != b->kind || !detail_equal(&a->detail, &b->detail))
         return false;
     switch (a->kind) {
     case AIR_DENSITY_LAYERED:

@@ -116,8 +116,8 @@ air_coefficients air_medium_full_coefficients(const air_medium *medium, air_vec3
                                             : scaled(medium, 1.0f);
 }
 
-air_coefficients air_medium_coefficients(const air_medium *medium, const air_region *region,
-                                         air_vec3 point)
+static air_coefficients plain_coefficients(const air_medium *medium, const air_region *region,
+                                           air_vec3 point)
 {
     switch (medium->kind) {
     case AIR_DENSITY_EXPONENTIAL: {
@@ -129,4 +129,24 @@ air_coefficients air_medium_coefficients(const air_medium *medium, const air_reg
     default:
         return scaled(medium, region->density);
     }
+}
+
+air_coefficients air_medium_coefficients_within(const air_medium *medium, const air_region *region,
+                                                air_vec3 point, float width_m)
+{
+    air_coefficients out = plain_coefficients(medium, region, point);
+    if (air_medium_is_detailed(medium) &&
+        !(vec3_is_zero(out.sigma_t) && vec3_is_zero(out.emission))) {
+        const float factor = air_detail_factor(&medium->detail, point, width_m);
+        out.sigma_s = vec3_scale(out.sigma_s, factor);
+        out.sigma_t = vec3_scale(out.sigma_t, factor);
+        out.emission = vec3_scale(out.emission, factor);
+    }
+    return out;
+}
+
+air_coefficients air_medium_coefficients(const air_medium *medium, const air_region *region,
+                                         air_vec3 point)
+{
+    return air_medium_coefficients_within(medium, region, point, 0.0f);
 }

@@ -11,13 +11,18 @@ typedef struct air_coefficients {
 } air_coefficients;
 
 /* The coefficients of a medium in one of its regions at a world point inside it. All scale with the
- * density, emission too; an albedo grid shares sigma_t out between scattering and absorption, an
- * emission grid multiplies emission. Thread-safe. */
+ * density and its detail, emission too; an albedo grid shares sigma_t out between scattering and
+ * absorption, an emission grid multiplies emission. Thread-safe. */
 air_coefficients air_medium_coefficients(const air_medium *medium, const air_region *region,
                                          air_vec3 point);
 
 /* Likewise at density 1, whatever it is there. */
 air_coefficients air_medium_full_coefficients(const air_medium *medium, air_vec3 point);
+
+/* The same for looks that are width_m apart (metres, >= 0): without what of the detail is too fine
+ * for them (air_detail_noise). */
+air_coefficients air_medium_coefficients_within(const air_medium *medium, const air_region *region,
+                                                air_vec3 point, float width_m);
 
 /* The integral over t of an exponential medium's density at origin + t dir, from t0 to t1 >= t0; t1
  * may be INFINITY. */

@@ -7,6 +7,7 @@
 #include "airlight/medium.h"
 #include "core/host.h"
 #include "core/vec.h"
+#include "scene/media/detail.h"
 
 struct air_grid;
 
@@ -36,12 +37,12 @@ typedef struct air_region {
     air_plane planes[AIR_MAX_PLANES + 2]; /* a layer adds two */
     size_t plane_count;
     uint32_t mesh;
-    float density; /* constant media: the factor on the medium's coefficients */
+    float density; /* constant media: the factor on the medium's coefficients, but for detail */
     /* set by air_media_prepare */
     air_plane_pack packs[AIR_MAX_PLANE_PACKS]; /* the planes again */
     size_t pack_count;
-    bool constant;
-    air_vec3 sigma_s, sigma_t, emission; /* constant media: with the density */
+    bool constant;                       /* its density, detail included */
+    air_vec3 sigma_s, sigma_t, emission; /* constant media: with the density, without detail */
 } air_region;
 
 typedef struct air_medium {
@@ -56,6 +57,7 @@ typedef struct air_medium {
     const struct air_grid *density_grid, *albedo_grid, *emission_grid;
     float world_to_grid[12]; /* to index space of the density grid */
     float world_to_albedo[12], world_to_emission[12];
+    air_detail_field detail; /* a factor on the density */
     air_combine combine;
     int32_t priority;
     float bounds_min[3], bounds_max[3]; /* infinite where unbounded */
@@ -75,6 +77,23 @@ typedef struct air_media {
     bool any_replace;
     bool all_constant; /* every region is of constant density */
 } air_media;
+
+static inline bool air_medium_is_detailed(const air_medium *medium)
+{
+    return medium->detail.strength > 0.0f;
+}
+
+/* Is the density constant in each of its regions? */
+static inline bool air_medium_is_constant(const air_medium *medium)
+{
+    return medium->kind == AIR_DENSITY_CONSTANT && !air_medium_is_detailed(medium);
+}
+
+/* A bound on the coefficients of a medium anywhere, over those without detail. */
+static inline float air_medium_most(const air_medium *medium)
+{
+    return air_detail_most(&medium->detail);
+}
 
 enum { AIR_MAX_REGIONS = 64, AIR_MAX_SEGMENTS = 256 };
 

@@ -230,6 +230,9 @@ static void set_coefficients(air_medium *medium, const air_medium_desc *desc)
     medium->kind = density->kind == AIR_DENSITY_LAYERED ? AIR_DENSITY_CONSTANT : density->kind;
     medium->combine = desc->combine;
     medium->priority = desc->priority;
+    if (density->detail.strength > 0.0f) {
+        air_detail_make(&density->detail, &medium->detail);
+    }
     if (density->kind == AIR_DENSITY_LAYERED || density->kind == AIR_DENSITY_EXPONENTIAL) {
         medium->up = vec3_normalize(vec3_load(density->up));
     }
@@ -260,7 +263,7 @@ static air_status build_medium(media_builder *builder, const air_medium_source *
         return status;
     }
     media->any_replace = media->any_replace || medium->combine == AIR_COMBINE_REPLACE;
-    media->all_constant = media->all_constant && medium->kind == AIR_DENSITY_CONSTANT;
+    media->all_constant = media->all_constant && air_medium_is_constant(medium);
     if (desc->density.kind == AIR_DENSITY_LAYERED) {
         return add_layers(builder, &subject, medium, &desc->density, &region);
     }

@@ -80,9 +80,59 @@ static air_status check_exponential(const air_subject *subject, const air_densit
     return AIR_OK;
 }
 
+static air_status check_detail(const air_subject *subject, const air_detail *detail)
+{
+    const float finest = detail->scale > 0.0f ? 1.0f / detail->scale : INFINITY;
+    if (detail->strength == 0.0f) {
+        return AIR_OK;
+    }
+    if (!(detail->strength >= 0.0f && detail->strength < 1.0f)) {
+        return air_subject_fail(subject,
+                                "density.detail.strength is %g, but must be at least 0 and below 1",
+                                (double)detail->strength);
+    }
+    if (!isfinite(detail->scale) || !isfinite(finest)) {
+        return air_subject_fail(subject,
+                                "density.detail.scale is %g, but must be finite and above 0",
+                                (double)detail->scale);
+    }
+    if (detail->octaves < 1 || detail->octaves > AIR_MAX_OCTAVES) {
+        return air_subject_fail(subject, "density.detail.octaves is %u, but must be 1 to %d",
+                                (unsigned)detail->octaves, AIR_MAX_OCTAVES);
+    }
+    return air_subject_check_map(subject, "density.detail.to_world", detail->to_world);
+}
+
+/* Tracking through detail takes time in proportion to the way: it must have an end. */
+static air_status check_detail_ends(const air_subject *subject, const air_medium_desc *desc)
+{
+    const air_boundary *boundary = &desc->boundary;
+    air_plane planes[AIR_MAX_PLANES];
+    float low[3] = {0.0f}, high[3] = {0.0f};
+    bool ends = boundary->kind != AIR_BOUNDARY_UNBOUNDED;
+    if (desc->density.detail.strength == 0.0f || desc->density.kind == AIR_DENSITY_GRID) {
+        return AIR_OK;
+    }
+    if (boundary->kind == AIR_BOUNDARY_CONVEX) {
+        for (size_t i = 0; i < boundary->plane_count; i++) {
+            air_convex_plane(boundary->planes + 4 * i, &planes[i]);
+        }
+        air_convex_bounds(planes, boundary->plane_count, low, high);
+    }
+    for (int k = 0; k < 3; k++) {
+        ends = ends && isfinite(low[k]) && isfinite(high[k]);
+    }
+    return ends ? AIR_OK
+                : air_subject_fail(subject, "density.detail: the medium has no end, expected a "
+                                            "boundary that ends everywhere, or a grid");
+}
+
 static air_status check_density(const air_subject *subject, const air_density *density)
 {
     air_status status = air_subject_check_enum(subject, "density.kind", (int)density->kind, 4);
+    if (status == AIR_OK) {
+        status = check_detail(subject, &density->detail);
+    }
     if (status != AIR_OK || density->kind == AIR_DENSITY_CONSTANT) {
         return status;
     }
@@ -162,5 +212,8 @@ air_status air_medium_check(air_context *context, const air_medium_desc *desc)
     if (status == AIR_OK) {
         status = air_subject_check_enum(&subject, "combine", (int)desc->combine, 2);
     }
-    return status == AIR_OK ? check_boundary(&subject, &desc->boundary) : status;
+    if (status == AIR_OK) {
+        status = check_boundary(&subject, &desc->boundary);
+    }
+    return status == AIR_OK ? check_detail_ends(&subject, desc) : status;
 }

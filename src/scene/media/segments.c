@@ -31,7 +31,7 @@ void air_media_prepare(air_media *media)
         air_region *region = &media->regions[r];
         const air_medium *medium = &media->media[region->medium];
         pack_planes(region);
-        region->constant = medium->kind == AIR_DENSITY_CONSTANT;
+        region->constant = air_medium_is_constant(medium);
         region->sigma_s = vec3_scale(medium->sigma_s, region->density);
         region->sigma_t = vec3_scale(medium->sigma_t, region->density);
         region->emission = vec3_scale(medium->emission, region->density);
