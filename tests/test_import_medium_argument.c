@@ -125,6 +125,11 @@ static void every_option_says_what_its_key_says(void **state)
     assert_int_equal(medium->declared_kind, AIR_DENSITY_GRID);
     expect_near(medium->bounds_max[0], 4.0);
     expect_near(medium->bounds_max[2], 1.0);
+    medium = load(&f, "sigma_s=1,box=0,0,0:1,1,1,detail_strength=0.5,detail_scale=0.002km,"
+                      "detail_octaves=6,detail_seed=7");
+    expect_near(medium->detail.strength, 0.5);
+    expect_near(medium->detail.feature_m, 2.0);
+    assert_int_equal(medium->detail.octaves, 6);
     medium = load(&f, "mesh=Wall,sigma_s=1");
     expect_near(medium->bounds_max[2], 1.0);
     assert_int_equal(f.base.snapshot->mesh_count, 0);
@@ -171,6 +176,12 @@ static void errors_quote_the_argument_and_the_column(void **state)
            "column 1 (visibility): expected a number > 0, found \"50 miles\"");
     refuse(&f, "sigma_s=1,mesh=Wal",
            "column 11 (mesh): the scene has no object \"Wal\"; did you mean \"Wall\"?");
+    refuse(&f, "sigma_s=1,box=0,0,0:1,1,1,detail_strength=0.5",
+           "column 27 (detail_strength): expected the size of the largest features in metres, "
+           "found nothing");
+    refuse(&f, "sigma_s=1,detail_strength=0.5,detail_scale=1",
+           "column 11 (detail_strength): expected a boundary or a grid beside it: only media with "
+           "an end have detail");
     refuse(&f, "sigma_s=1,combine=mix",
            "column 11 (combine): expected one of add, replace, found \"mix\"");
     import_finish(&f.base);

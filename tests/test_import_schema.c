@@ -30,6 +30,7 @@ static const known_object objects[] = {
     {"$defs grid", "{'media':[{'sigma_s':1,'density':{'grid':{'?':1}}}]}"},
     {"$defs side_grid", "{'media':[{'sigma_s':1,'density':{'grid':{'file':'a.raw','size':[1,1,1]}},"
                         "'albedo_grid':{'?':1}}]}"},
+    {"$defs detail", "{'media':[{'sigma_s':1,'detail':{'?':1}}]}"},
     {"$defs point_light", "{'lights':[{'type':'point','?':1}]}"},
     {"$defs spot_light", "{'lights':[{'type':'spot','?':1}]}"},
     {"$defs collimated_light", "{'lights':[{'type':'collimated','?':1}]}"},

@@ -462,6 +462,63 @@ static void layers_and_height_fog_follow_their_node(void **state)
     import_finish(&f.base);
 }
 
+/* On a node that doubles lengths and stands at x = 3. */
+static void detail_is_fixed_in_its_node(void **state)
+{
+    (void)state;
+    sidecar_fixture f;
+    start(&f);
+    import_loads(&f.base,
+                 "{" GLTF_SCENE ",'nodes':[{'mesh':0,'translation':[3,0,0],'scale':[2,2,2],"
+                 "'extras':{'airlight':{'medium':{'sigma_s':1,'detail':{'strength':0.5,'scale':"
+                 "0.25,'octaves':3,'seed':4294967295}}}}}]," GLTF_CUBE "}");
+    const air_detail_field *field = &only_medium(&f)->detail;
+    expect_near(field->strength, 0.5);
+    expect_near(field->feature_m, 0.5);
+    expect_near(field->to_lattice[0], 2.0);
+    expect_near(field->to_lattice[3], -6.0);
+    assert_int_equal(field->octaves, 3);
+    beside_loads(&f, "{'media':[{'sigma_s':1,'boundary':{'mesh':'Fog'}}]}");
+    assert_false(air_medium_is_detailed(only_medium(&f)));
+    import_finish(&f.base);
+}
+
+static void bad_detail_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *detail, *message;
+    } faults[] = {
+        {"{'scale':1}", ".strength: expected a strength of at least 0 and below 1, found nothing"},
+        {"{'strength':0.5}",
+         ".scale: expected the size of the largest features in metres, found nothing"},
+        {"{'strength':1,'scale':1}",
+         ".strength: expected a number of at least 0 and below 1, found 1"},
+        {"{'strength':-0.5,'scale':1}", ".strength: expected a number >= 0, found -0.5"},
+        {"{'strength':'a','scale':1}", ".strength: expected a number >= 0, found \"a\""},
+        {"{'strength':0.5,'scale':0}", ".scale: expected a number > 0, found 0"},
+        {"{'strength':0.5,'scale':1,'octaves':0}",
+         ".octaves: expected a whole number from 1 to 12, found 0"},
+        {"{'strength':0.5,'scale':1,'octaves':13}",
+         ".octaves: expected a whole number from 1 to 12, found 13"},
+        {"{'strength':0.5,'scale':1,'seed':4294967296}",
+         ".seed: expected a whole number below 2^32, found 4294967296"},
+        {"{'strength':0.5,'scales':1}", ".scales: unknown key; did you mean \"scale\"?"},
+        {"{'strength':0.5,'scale':1}",
+         ": expected a boundary or a grid beside it: only media with an end have detail"},
+    };
+    sidecar_fixture f;
+    start(&f);
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i) {
+        char text[256], message[256];
+        snprintf(text, sizeof text, "{'media':[{'sigma_s':1,'detail':%s}]}", faults[i].detail);
+        snprintf(message, sizeof message, "$.media[0].detail%s", faults[i].message);
+        beside_refused(&f, text, message);
+    }
+    beside_loads(&f, "{'media':[{'sigma_s':1,'detail':{'strength':0,'scale':1}}]}");
+    import_finish(&f.base);
+}
+
 static void a_grid_without_a_boundary_is_bounded_by_its_own_box(void **state)
 {
     (void)state;
@@ -819,6 +876,8 @@ int main(void)
         cmocka_unit_test(other_boundaries_are_planes_meshes_and_none),
         cmocka_unit_test(an_open_boundary_mesh_is_refused_with_file_and_place),
         cmocka_unit_test(layers_and_height_fog_follow_their_node),
+        cmocka_unit_test(detail_is_fixed_in_its_node),
+        cmocka_unit_test(bad_detail_is_refused),
         cmocka_unit_test(a_grid_without_a_boundary_is_bounded_by_its_own_box),
         cmocka_unit_test(a_grid_whose_name_holds_hashes_is_that_of_the_frame),
         cmocka_unit_test(without_a_frame_a_file_may_have_hashes_in_its_name),

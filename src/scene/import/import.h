@@ -125,6 +125,8 @@ air_status air_sidecar_read_density(const air_sidecar_part *part, air_medium_des
  * caller frees. */
 air_status air_sidecar_read_boundary(const air_sidecar_part *part, air_medium_desc *desc,
                                      float **planes, air_import_geometry *geometry);
+/* Fills desc->density.detail, after the density and the boundary. */
+air_status air_sidecar_read_detail(const air_sidecar_part *part, air_medium_desc *desc);
 
 /* Frees *geometry and zeroes it. */
 void air_import_geometry_finish(air_context *context, air_import_geometry *geometry);

@@ -43,6 +43,10 @@ static const air_option options[] = {
     {"grid_box", ".density.grid.to_world", AIR_OPTION_BOX_MAP},
     {"albedo_grid", ".albedo_grid.file", AIR_OPTION_TEXT},
     {"emission_grid", ".emission_grid.file", AIR_OPTION_TEXT},
+    {"detail_strength", ".detail.strength", AIR_OPTION_NUMBERS},
+    {"detail_scale", ".detail.scale", AIR_OPTION_LENGTH},
+    {"detail_octaves", ".detail.octaves", AIR_OPTION_NUMBERS},
+    {"detail_seed", ".detail.seed", AIR_OPTION_NUMBERS},
     {"combine", ".combine", AIR_OPTION_TEXT},
     {"priority", ".priority", AIR_OPTION_NUMBERS},
 };

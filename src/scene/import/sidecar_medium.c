@@ -94,9 +94,9 @@ static air_status read_combine(const air_json *at, air_medium_desc *desc)
 static air_status check_medium_keys(const air_json *at)
 {
     static const char *const keys[] = {
-        "name",          "sigma_s", "sigma_a",  "sigma_t",         "albedo",  "visibility",
-        "emission",      "phase",   "g",        "boundary",        "density", "albedo_grid",
-        "emission_grid", "combine", "priority", "boundary_visible"};
+        "name",          "sigma_s", "sigma_a",  "sigma_t",          "albedo",  "visibility",
+        "emission",      "phase",   "g",        "boundary",         "density", "albedo_grid",
+        "emission_grid", "combine", "priority", "boundary_visible", "detail"};
     const air_status status = air_json_check_object(at, true);
     return status == AIR_OK ? air_json_check_keys(at, keys, sizeof keys / sizeof keys[0]) : status;
 }
@@ -137,6 +137,8 @@ air_status air_sidecar_add_medium(const air_sidecar_part *part)
         status = air_sidecar_read_density(part, &desc);
     if (status == AIR_OK)
         status = air_sidecar_read_boundary(part, &desc, &planes, &geometry);
+    if (status == AIR_OK)
+        status = air_sidecar_read_detail(part, &desc);
     if (status == AIR_OK)
         status = check_with_place(part, &desc);
     if (status == AIR_OK)
