@@ -18,10 +18,11 @@ typedef struct grid_scene {
     const char *name;
     unsigned lights;
     float sigma_s[3], sigma_a[3], g;
-    bool blob;    /* density is a grid: a ball that fades outwards */
-    bool second;  /* another medium overlaps the first, of another phase function */
-    bool blocker; /* a black square outside throws its shadow into the medium */
-    bool endless; /* a thin medium without end */
+    bool blob;              /* density is a grid: a ball that fades outwards */
+    bool second;            /* another medium overlaps the first, of another phase function */
+    bool blocker;           /* a black square outside throws its shadow into the medium */
+    bool endless;           /* a thin medium without end */
+    float detail, detail_m; /* strength and scale of the first medium's detail */
 } grid_scene;
 
 static inline air_status grid_add_light(air_scene *scene, const char *name, air_light_desc *light)
@@ -127,6 +128,8 @@ static inline air_status grid_add_media(air_scene *scene, const grid_scene *s)
     medium.phase.g = s->g;
     medium.boundary.kind = AIR_BOUNDARY_BOX;
     memcpy(medium.boundary.box_to_world, cube, sizeof cube);
+    medium.density.detail.strength = s->detail;
+    medium.density.detail.scale = s->detail > 0.0f ? s->detail_m : 1.0f;
     status = s->blob ? grid_add_blob(scene, &medium.density) : status;
     status = status == AIR_OK ? air_scene_add_medium(scene, &medium, &handle) : status;
     if (status == AIR_OK && s->second) {

@@ -120,6 +120,21 @@ static const grid_scene scenes[] = {
      .sigma_a = {0, 1, 2},
      .g = 0.7f,
      .blob = true},
+    {.name = "detail",
+     .lights = GRID_SUN | GRID_SKY,
+     .sigma_s = {4, 4, 4},
+     .sigma_a = {0, 0.2f, 0.4f},
+     .g = 0.6f,
+     .detail = 0.8f,
+     .detail_m = 0.25f},
+    {.name = "blob with detail",
+     .lights = GRID_SUN | GRID_SKY,
+     .sigma_s = {20, 20, 20},
+     .sigma_a = {0, 1, 2},
+     .g = 0.7f,
+     .blob = true,
+     .detail = 0.8f,
+     .detail_m = 0.15f},
 };
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 

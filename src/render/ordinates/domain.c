@@ -212,14 +212,15 @@ typedef struct look {
     air_vec3 sigma_s, sigma_t, weighted; /* weighted: sigma_s times mean cosine */
 } look;
 
-static look look_at(const air_media *media, uint64_t regions, air_vec3 point)
+/* Of looks that are width_m apart. */
+static look look_at(const air_media *media, uint64_t regions, air_vec3 point, float width_m)
 {
     look sum;
     memset(&sum, 0, sizeof sum);
     for (; regions != 0; regions &= regions - 1) {
         const air_region *region = &media->regions[__builtin_ctzll(regions)];
         const air_medium *medium = &media->media[region->medium];
-        const air_coefficients c = air_medium_coefficients(medium, region, point);
+        const air_coefficients c = air_medium_coefficients_within(medium, region, point, width_m);
         sum.sigma_s = vec3_add(sum.sigma_s, c.sigma_s);
         sum.sigma_t = vec3_add(sum.sigma_t, c.sigma_t);
         sum.weighted = vec3_madd(sum.weighted, (float)phase_legendre(medium->phase, 1), c.sigma_s);
@@ -256,7 +257,7 @@ static void look_along(ord_domain *domain, size_t j, size_t k, float y, float z)
         }
         if (s < count && segments[s].t0 <= t) {
             const air_vec3 point = vec3(origin.x + t, origin.y, origin.z);
-            const look seen = look_at(domain->media, segments[s].regions, point);
+            const look seen = look_at(domain->media, segments[s].regions, point, step);
             add_look(domain, (k * domain->size[1] + j) * domain->size[0] + n / LOOKS, &seen);
         }
     }
