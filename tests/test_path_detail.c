@@ -40,29 +40,23 @@ static void set_grid(air_scene *scene, air_density *density, air_vec3 center, ai
     density->grid = add_box_grid(scene, SIDE, 1, values, center, half);
 }
 
-static void add_fog(air_scene *scene, fog kind, float sigma_a)
+/* Of density `kind`, with detail; without coefficients yet. */
+static air_medium_desc make_fog(air_scene *scene, fog kind)
 {
     const air_vec3 center = vec3(0.1f, 0.0f, -0.1f), half = vec3(1.0f, 0.9f, 1.1f);
     air_medium_desc medium = medium_in_box(center, half);
-    set3(medium.sigma_a, 0.5f * sigma_a, sigma_a, 1.2f * sigma_a);
     medium.density.detail.strength = 0.9f;
     medium.density.detail.scale = 0.4f;
     medium.density.detail.octaves = 3;
     medium.density.detail.seed = (uint32_t)kind;
-    switch (kind) {
-    case FOG_LAYERS:
+    if (kind == FOG_LAYERS) {
         set_layers(&medium.density);
-        break;
-    case FOG_EXPONENTIAL:
+    } else if (kind == FOG_EXPONENTIAL) {
         set_exponential(&medium.density);
-        break;
-    case FOG_GRID:
+    } else if (kind == FOG_GRID) {
         set_grid(scene, &medium.density, center, half);
-        break;
-    default:
-        break;
     }
-    add_medium(scene, &medium);
+    return medium;
 }
 
 static air_snapshot *foggy(void **state, fog kind)
@@ -70,7 +64,10 @@ static air_snapshot *foggy(void **state, fog kind)
     air_scene *scene = path_scene(state);
     for (int k = FOG_EVEN; k < FOG_ALL; k++) {
         if (kind == FOG_ALL || k == (int)kind) {
-            add_fog(scene, (fog)k, kind == FOG_ALL ? 0.15f : 0.6f);
+            const float sigma_a = kind == FOG_ALL ? 0.15f : 0.6f;
+            air_medium_desc medium = make_fog(scene, (fog)k);
+            set3(medium.sigma_a, 0.5f * sigma_a, sigma_a, 1.2f * sigma_a);
+            add_medium(scene, &medium);
         }
     }
     if (kind == FOG_ALL) { /* even fog without detail, too */
@@ -181,25 +178,27 @@ static void detail_changes_what_is_let_through(void **state)
 }
 
 /* In a furnace whose medium glows as it absorbs, with radiance 1 everywhere, light is 1 whatever
- * the density: emission has the factor, too. */
+ * the density: emission has the factor, too, and majorants hold, without which collisions would be
+ * too few. */
 static void a_furnace_stays_even(void **state)
 {
     const double one[3] = {1.0, 1.0, 1.0};
-    air_scene *scene = path_scene(state);
-    air_medium_desc medium = medium_in_box(vec3(0, 0, 0), vec3(1, 1, 1));
-    set3(medium.sigma_s, 1.0f, 1.0f, 1.0f);
-    set3(medium.sigma_a, 0.5f, 0.5f, 0.5f);
-    set3(medium.emission, 0.5f, 0.5f, 0.5f);
-    medium.density.detail.strength = 0.8f;
-    medium.density.detail.scale = 0.5f;
-    add_medium(scene, &medium);
-    add_environment(scene, 1.0f, 1.0f, 1.0f);
-    air_snapshot *snapshot = path_freeze(scene);
-    for (int i = 0; i < RAYS; i++) {
-        const probe_result seen = measure_radiance(snapshot, ray_origin(i), ray_dir(i), 64, 2048);
-        assert_measured("furnace", &seen, one, 0.005);
+    for (int kind = 0; kind < FOG_ALL; kind++) {
+        air_scene *scene = path_scene(state);
+        air_medium_desc medium = make_fog(scene, (fog)kind);
+        set3(medium.sigma_s, 1.0f, 1.0f, 1.0f);
+        set3(medium.sigma_a, 0.5f, 0.5f, 0.5f);
+        set3(medium.emission, 0.5f, 0.5f, 0.5f);
+        add_medium(scene, &medium);
+        add_environment(scene, 1.0f, 1.0f, 1.0f);
+        air_snapshot *snapshot = path_freeze(scene);
+        for (int i = 0; i < RAYS; i += 2) {
+            const probe_result seen =
+                measure_radiance(snapshot, ray_origin(i), ray_dir(i), 64, 2048);
+            assert_measured(fog_names[kind], &seen, one, 0.005);
+        }
+        air_snapshot_release(snapshot);
     }
-    air_snapshot_release(snapshot);
 }
 
 static air_snapshot *lit_fog(void **state, bool as_grid)
