@@ -133,7 +133,7 @@ static uint64_t add_detail(uint64_t hash, const air_detail_field *detail)
     }
     hash = ADD(hash, detail->strength);
     hash = ADD(hash, detail->octaves);
-    hash = ADD(hash, detail->seed);
+    hash = ADD(hash, detail->seeds[0]);
     return ADD(hash, detail->to_lattice);
 }
 

@@ -24,8 +24,7 @@ void air_detail_make(const air_detail *detail, air_detail_field *out)
     float variance = 0.0f;
     *out = (air_detail_field){.strength = detail->strength,
                               .feature_m = detail->scale * (float)stretch,
-                              .octaves = detail->octaves,
-                              .seed = air_hash32(detail->seed)};
+                              .octaves = detail->octaves};
     if (affine_invert(detail->to_world, out->to_lattice)) {
         for (int i = 0; i < 12; i++) {
             out->to_lattice[i] *= inverse;
@@ -33,11 +32,13 @@ void air_detail_make(const air_detail *detail, air_detail_field *out)
     }
     for (uint32_t k = 0; k < detail->octaves; k++) {
         variance = 0.25f * variance + 1.0f;
+        out->seeds[k] = air_hash_combine(air_hash32(detail->seed), k);
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            out->shifts[k][axis] = (float)(out->seeds[k] >> (10 * axis) & 0x3ffu) * 0x1p-10f;
+        }
     }
     out->amplitude = 0.5f / (octave_deviation * sqrtf(variance));
 }
-
-static inline float fade(float t) { return t * t * t * (t * (6.0f * t - 15.0f) + 10.0f); }
 
 /* air_hash32, of four. */
 static inline corner_bits hash_corners(corner_bits x)
@@ -67,52 +68,61 @@ static inline corner_floats slopes(corner_bits hash, corner_floats dx, corner_fl
            (corner_floats)((corner_bits)b ^ ((hash << 1) & 0x80000000u));
 }
 
-static inline uint32_t lattice_key(uint32_t at, uint32_t factor)
+/* x, y and z of something; the fourth is of no use. */
+typedef corner_floats axis_floats;
+typedef int32_t axis_whole __attribute__((vector_size(16)));
+
+/* Of places that fit whole numbers. */
+static inline axis_whole floor_axes(axis_floats x)
 {
-    return (at & (PERIOD - 1)) * factor;
+    const axis_whole cut = __builtin_convertvector(x, axis_whole);
+    return cut + (axis_whole)(__builtin_convertvector(cut, axis_floats) > x);
+}
+
+static inline axis_floats fade(axis_floats t)
+{
+    return t * t * t * (t * (6.0f * t - 15.0f) + 10.0f);
 }
 
 /* One octave at lattice coordinates, below TOO_FINE. */
-static float octave_noise(air_vec3 at, uint32_t seed)
+static inline float octave_noise(axis_floats at, uint32_t seed)
 {
-    const uint32_t of_x = 0x9e3779b1u, of_y = 0x85ebca77u, of_z = 0xc2b2ae3du;
-    const float x0 = floorf(at.x), y0 = floorf(at.y), z0 = floorf(at.z);
-    const float x = at.x - x0, y = at.y - y0, z = at.z - z0;
-    const float fx = fade(x), fy = fade(y), fz = fade(z);
-    const uint32_t i = (uint32_t)(int32_t)x0, j = (uint32_t)(int32_t)y0, k = (uint32_t)(int32_t)z0;
-    const uint32_t i0 = lattice_key(i, of_x), i1 = lattice_key(i + 1, of_x);
-    const uint32_t j0 = lattice_key(j, of_y) ^ seed, j1 = lattice_key(j + 1, of_y) ^ seed;
-    const corner_bits plane = {i0 ^ j0, i1 ^ j0, i0 ^ j1, i1 ^ j1};
+    const corner_bits factors = {0x9e3779b1u, 0x85ebca77u, 0xc2b2ae3du, 0u};
+    const axis_whole low = floor_axes(at);
+    const axis_floats rest = at - __builtin_convertvector(low, axis_floats);
+    const axis_floats up = fade(rest), down = 1.0f - up;
+    const corner_bits key = ((corner_bits)low & (PERIOD - 1)) * factors;
+    const corner_bits next = ((corner_bits)(low + 1) & (PERIOD - 1)) * factors;
+    const corner_bits of_x = {key[0], next[0], key[0], next[0]};
+    const corner_bits of_y = {key[1], key[1], next[1], next[1]};
+    const corner_bits plane = of_x ^ of_y ^ seed;
+    const float x = rest[0], y = rest[1], z = rest[2];
     const corner_floats dx = {x, x - 1.0f, x, x - 1.0f}, dy = {y, y, y - 1.0f, y - 1.0f};
-    const corner_floats wx = {1.0f - fx, fx, 1.0f - fx, fx};
-    const corner_floats wy = {1.0f - fy, 1.0f - fy, fy, fy};
-    const corner_floats low = slopes(hash_corners(plane ^ lattice_key(k, of_z)), dx, dy, z);
-    const corner_floats high =
-        slopes(hash_corners(plane ^ lattice_key(k + 1, of_z)), dx, dy, z - 1.0f);
-    const corner_floats sum = wx * wy * (low * (1.0f - fz) + high * fz);
+    const corner_floats wx = {down[0], up[0], down[0], up[0]};
+    const corner_floats wy = {down[1], down[1], up[1], up[1]};
+    const corner_floats bottom = slopes(hash_corners(plane ^ key[2]), dx, dy, z);
+    const corner_floats top = slopes(hash_corners(plane ^ next[2]), dx, dy, z - 1.0f);
+    const corner_floats sum = wx * wy * (bottom * down[2] + top * up[2]);
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
-/* Where an octave's lattice begins, a share of its spacing. */
-static inline air_vec3 octave_shift(uint32_t seed)
-{
-    return vec3((float)(seed & 0x3ffu) * 0x1p-10f, (float)(seed >> 10 & 0x3ffu) * 0x1p-10f,
-                (float)(seed >> 20 & 0x3ffu) * 0x1p-10f);
 }
 
 float air_detail_noise(const air_detail_field *field, air_vec3 point, float width_m)
 {
-    const air_vec3 at = affine_point(field->to_lattice, point);
+    const air_vec3 place = affine_point(field->to_lattice, point);
+    const float far = float_max(fabsf(place.x), float_max(fabsf(place.y), fabsf(place.z)));
     float sum = 0.0f, amplitude = field->amplitude, spacing = field->feature_m, scale = 1.0f;
-    for (uint32_t k = 0; k < field->octaves; k++) {
-        const uint32_t seed = air_hash_combine(field->seed, k);
-        const air_vec3 place = vec3_madd(octave_shift(seed), scale, at);
+    if (!(far < TOO_FINE)) {
+        return 0.0f;
+    }
+    const axis_floats at = {place.x, place.y, place.z, 0.0f};
+    for (uint32_t k = 0; k < field->octaves && far * scale < TOO_FINE; k++) {
         const float share = float_min(2.0f - width_m / spacing, 1.0f);
-        const float far = float_max(fabsf(place.x), float_max(fabsf(place.y), fabsf(place.z)));
-        if (!(share > 0.0f) || !(far < TOO_FINE)) {
+        const float *shift = field->shifts[k];
+        const axis_floats from = {shift[0], shift[1], shift[2], 0.0f};
+        if (!(share > 0.0f)) {
             break;
         }
-        sum += amplitude * share * octave_noise(place, seed);
+        sum += amplitude * share * octave_noise(at * scale + from, field->seeds[k]);
         amplitude *= 0.5f;
         spacing *= 0.5f;
         scale *= 2.0f;

@@ -17,12 +17,13 @@
 #include "core/vec.h"
 
 typedef struct air_detail_field {
-    float strength;       /* 0: there is none */
-    float feature_m;      /* spacing of the coarsest lattice in the world; the mean of its sides */
-    float amplitude;      /* of the first octave */
-    uint32_t octaves;     /* 1..AIR_MAX_OCTAVES */
-    uint32_t seed;        /* hashed */
-    float to_lattice[12]; /* from the world to the coarsest lattice */
+    float strength;   /* 0: there is none */
+    float feature_m;  /* spacing of the coarsest lattice in the world; the mean of its sides */
+    float amplitude;  /* of the first octave */
+    uint32_t octaves; /* 1..AIR_MAX_OCTAVES */
+    uint32_t seeds[AIR_MAX_OCTAVES];
+    float shifts[AIR_MAX_OCTAVES][3]; /* of the octaves' lattices, in their own spacings */
+    float to_lattice[12];             /* from the world to the coarsest lattice */
 } air_detail_field;
 
 /* Of a checked description. */
