@@ -12,10 +12,11 @@
 #include <stdlib.h>
 #include <time.h>
 
+#include "core/cpu.h"
 #include "grid_scene.h"
 #include "scene/media/field.h"
 
-enum { ROUNDS = 5, LOOKS = 1 << 18, KINDS = 5, PIXELS_X = 160, PIXELS_Y = 120 };
+enum { ROUNDS = 5, LOOKS = 1 << 18, KINDS = 5, SETS = 5, PIXELS_X = 160, PIXELS_Y = 120 };
 
 /* Processor time, which says more than the clock where others use the machine. */
 static double seconds(void)
@@ -38,24 +39,43 @@ static void sort(double taken[ROUNDS]) { qsort(taken, ROUNDS, sizeof *taken, com
 
 static const uint32_t octaves_of[KINDS] = {0, 1, 2, 4, 8};
 
-static double time_looks(uint32_t octaves, float *sum)
+static air_medium make_medium(uint32_t octaves, air_cpu cpu)
 {
-    const air_region region = {.density = 1.0f};
     air_medium medium = {.sigma_s = {1, 1, 1}, .sigma_t = {1, 1, 1}};
     air_medium_desc desc;
-    air_rng rng = air_rng_from_keys(1, octaves);
     air_medium_desc_default(&desc);
     desc.density.detail.strength = 0.5f;
     desc.density.detail.octaves = octaves;
     if (octaves > 0) {
-        air_detail_make(&desc.density.detail, &medium.detail);
+        air_detail_make(&desc.density.detail, cpu, &medium.detail);
     }
+    return medium;
+}
+
+enum { RUN = 32 };
+
+/* cpu AIR_CPU_AUTO: point by point, else in runs. */
+static double time_looks(uint32_t octaves, air_cpu cpu, float *sum)
+{
+    const air_region region = {.density = 1.0f};
+    const air_medium medium = make_medium(octaves, cpu);
+    air_rng rng = air_rng_from_keys(1, octaves);
     const double start = seconds();
-    for (int n = 0; n < LOOKS; n += 64) {
+    for (int n = 0; n < LOOKS; n += RUN) {
         const air_vec3 from = vec3(air_rng_float(&rng), air_rng_float(&rng), air_rng_float(&rng));
-        for (int i = 0; i < 64; i++) {
-            const air_vec3 at = vec3_madd(from, 0.05f * (float)i, vec3(0.8f, 0.36f, 0.48f));
-            *sum += air_medium_coefficients(&medium, &region, at).sigma_t.x;
+        air_vec3 at[RUN];
+        float factors[RUN];
+        for (int i = 0; i < RUN; i++) {
+            at[i] = vec3_madd(from, 0.05f * (float)i, vec3(0.8f, 0.36f, 0.48f));
+        }
+        if (cpu != AIR_CPU_AUTO) {
+            air_medium_factors(&medium, at, RUN, 0.0f, factors);
+        }
+        for (int i = 0; i < RUN; i++) {
+            *sum += (cpu == AIR_CPU_AUTO
+                         ? air_medium_coefficients(&medium, &region, at[i])
+                         : air_medium_coefficients_at(&medium, &region, at[i], factors[i]))
+                        .sigma_t.x;
         }
     }
     return 1e9 * (seconds() - start) / LOOKS;
@@ -63,19 +83,30 @@ static double time_looks(uint32_t octaves, float *sum)
 
 static void bench_looks(void)
 {
-    double taken[KINDS][ROUNDS];
+    static const char *const names[SETS] = {"one by one", "in runs, C", NULL, "AVX2", "AVX-512"};
+    const int sets = (int)air_cpu_detect() + 1;
+    double taken[SETS][KINDS][ROUNDS];
     float sum = 0.0f;
     for (int round = 0; round < ROUNDS; round++) {
-        for (int k = 0; k < KINDS; k++) {
-            taken[k][round] = time_looks(octaves_of[k], &sum);
+        for (int i = 0; i < sets * KINDS; i++) {
+            taken[i / KINDS][i % KINDS][round] =
+                time_looks(octaves_of[i % KINDS], (air_cpu)(i / KINDS), &sum);
         }
     }
-    printf("look-ups of coefficients, ns (checksum %g)\n", (double)sum);
+    printf("look-ups of coefficients, ns, by octaves (checksum %g)\n%-12s", (double)sum, "");
     for (int k = 0; k < KINDS; k++) {
-        sort(taken[k]);
-        printf("  %u octaves %8.1f (%.1f)\n", (unsigned)octaves_of[k], taken[k][0],
-               taken[k][ROUNDS / 2]);
+        printf(" %13u", (unsigned)octaves_of[k]);
     }
+    for (int i = 0; i < sets; i++) {
+        if (names[i] != NULL) {
+            printf("\n%-12s", names[i]);
+            for (int k = 0; k < KINDS; k++) {
+                sort(taken[i][k]);
+                printf(" %5.1f (%5.1f)", taken[i][k][0], taken[i][k][ROUNDS / 2]);
+            }
+        }
+    }
+    printf("\n");
 }
 
 /* ---- pictures ---- */

@@ -2,6 +2,7 @@
 #include <float.h>
 #include <stdlib.h>
 
+#include "core/cpu.h"
 #include "core/random.h"
 #include "memory_files.h"
 #include "scene/media/field.h"
@@ -37,7 +38,7 @@ static air_detail_field make(uint32_t octaves, uint32_t seed)
 {
     const air_detail detail = plain_detail(0.5f, 1.0f, octaves, seed);
     air_detail_field field;
-    air_detail_make(&detail, &field);
+    air_detail_make(&detail, AIR_CPU_C, &field);
     return field;
 }
 
@@ -175,7 +176,7 @@ static void factor_keeps_its_range(void **state)
         const air_detail detail = plain_detail(strengths[i], 0.3f, 3, 5);
         float least = 1.0f, most = 1.0f;
         air_detail_field field;
-        air_detail_make(&detail, &field);
+        air_detail_make(&detail, AIR_CPU_C, &field);
         for (int n = 0; n < 100000; n++) {
             const float factor = air_detail_factor(&field, random_point(&rng, 30.0f), 0.0f);
             least = fminf(least, factor);
@@ -257,9 +258,9 @@ static void noise_moves_with_its_space(void **state)
     air_detail detail = plain_detail(0.5f, 0.25f, 3, 4);
     air_detail_field here, there;
     air_rng rng = air_rng_from_keys(7, 0);
-    air_detail_make(&detail, &here);
+    air_detail_make(&detail, AIR_CPU_C, &here);
     memcpy(detail.to_world, map, sizeof map);
-    air_detail_make(&detail, &there);
+    air_detail_make(&detail, AIR_CPU_C, &there);
     assert_float_equal(here.feature_m, 0.25f, 1e-7f);
     assert_float_equal(there.feature_m, 0.5f, 1e-7f);
     assert_float_equal(air_detail_finest(&there), 0.125f, 1e-7f);
@@ -287,6 +288,32 @@ static void wide_looks_see_no_fine_octaves(void **state)
         assert_true(air_detail_noise(&all, p, INFINITY) == 0.0f);
         const float between = air_detail_noise(&all, p, 0.375f);
         assert_true((between - whole) * (between - less) <= 1e-6f);
+    }
+}
+
+/* Of every instruction set that the machine has, to the bit. */
+static void many_points_are_as_one(void **state)
+{
+    (void)state;
+    enum { COUNT = 150 };
+    const air_detail detail = plain_detail(0.9f, 0.7f, 5, 11);
+    air_rng rng = air_rng_from_keys(12, 0);
+    for (int cpu = AIR_CPU_C; cpu <= (int)air_cpu_detect(); cpu++) {
+        air_detail_field field;
+        air_detail_make(&detail, (air_cpu)cpu, &field);
+        for (int n = 0; n < 200; n++) {
+            const float width = n % 2 == 0 ? 0.0f : air_rng_float(&rng);
+            const size_t count = (size_t)(n % COUNT) + 1;
+            air_vec3 points[COUNT];
+            float factors[COUNT];
+            for (size_t i = 0; i < count; i++) {
+                points[i] = random_point(&rng, n % 5 == 0 && i % 7 == 0 ? 1e6f : 30.0f);
+            }
+            air_detail_factors(&field, points, count, width, factors);
+            for (size_t i = 0; i < count; i++) {
+                assert_true(factors[i] == air_detail_factor(&field, points[i], width));
+            }
+        }
     }
 }
 
@@ -421,6 +448,7 @@ int main(void)
         TEST(seeds_and_places_decide_and_nothing_else),
         TEST(noise_moves_with_its_space),
         TEST(wide_looks_see_no_fine_octaves),
+        TEST(many_points_are_as_one),
         TEST(far_places_are_harmless),
         TEST(all_coefficients_have_the_factor),
         TEST(bad_detail_is_refused),

@@ -208,19 +208,22 @@ static void warn_of_thin_media(const ord_domain *domain)
 
 /* ---- coefficients ---- */
 
+/* Looks in a row whose detail is looked at together. */
+enum { RUN = 32 };
+
 typedef struct look {
     air_vec3 sigma_s, sigma_t, weighted; /* weighted: sigma_s times mean cosine */
 } look;
 
-/* Of looks that are width_m apart. */
-static look look_at(const air_media *media, uint64_t regions, air_vec3 point, float width_m)
+/* factors: of detail, of the regions in the order of their numbers, RUN from one to the next. */
+static look look_at(const air_media *media, uint64_t regions, air_vec3 point, const float *factors)
 {
     look sum;
     memset(&sum, 0, sizeof sum);
-    for (; regions != 0; regions &= regions - 1) {
+    for (; regions != 0; regions &= regions - 1, factors += RUN) {
         const air_region *region = &media->regions[__builtin_ctzll(regions)];
         const air_medium *medium = &media->media[region->medium];
-        const air_coefficients c = air_medium_coefficients_within(medium, region, point, width_m);
+        const air_coefficients c = air_medium_coefficients_at(medium, region, point, *factors);
         sum.sigma_s = vec3_add(sum.sigma_s, c.sigma_s);
         sum.sigma_t = vec3_add(sum.sigma_t, c.sigma_t);
         sum.weighted = vec3_madd(sum.weighted, (float)phase_legendre(medium->phase, 1), c.sigma_s);
@@ -240,6 +243,30 @@ static void add_look(ord_domain *domain, size_t cell, const look *seen)
     }
 }
 
+/* Looks side by side along x at the same media, the first being number `first` of its row. */
+typedef struct look_run {
+    uint64_t regions;
+    size_t row, first, count; /* row: index of the row's first cell */
+    air_vec3 points[RUN];
+} look_run;
+
+static void take_run(ord_domain *domain, look_run *run)
+{
+    const air_media *const media = domain->media;
+    float factors[AIR_MAX_REGIONS][RUN];
+    size_t r = 0;
+    for (uint64_t rest = run->regions; rest != 0 && run->count > 0; rest &= rest - 1, r++) {
+        const air_region *region = &media->regions[__builtin_ctzll(rest)];
+        air_medium_factors(&media->media[region->medium], run->points, run->count,
+                           domain->cell_m / LOOKS, factors[r]);
+    }
+    for (size_t i = 0; i < run->count; i++) {
+        const look seen = look_at(media, run->regions, run->points[i], &factors[0][i]);
+        add_look(domain, run->row + (run->first + i) / LOOKS, &seen);
+    }
+    run->count = 0;
+}
+
 /* A line along x through a row of cells: the media on it are laid out once. */
 static void look_along(ord_domain *domain, size_t j, size_t k, float y, float z)
 {
@@ -248,6 +275,7 @@ static void look_along(ord_domain *domain, size_t j, size_t k, float y, float z)
         ord_domain_world(domain, vec3(-domain->cell_m, y * domain->cell_m, z * domain->cell_m));
     const float length = (float)(ptrdiff_t)(domain->size[0] + 2) * domain->cell_m;
     air_segment segments[AIR_MAX_SEGMENTS];
+    look_run run = {.row = (k * domain->size[1] + j) * domain->size[0]};
     const size_t count =
         air_media_segments(domain->media, origin, vec3(1.0f, 0.0f, 0.0f), length, segments);
     for (size_t s = 0, n = 0; n < domain->size[0] * LOOKS; n++) {
@@ -255,12 +283,17 @@ static void look_along(ord_domain *domain, size_t j, size_t k, float y, float z)
         while (s < count && segments[s].t1 <= t) {
             s++;
         }
-        if (s < count && segments[s].t0 <= t) {
-            const air_vec3 point = vec3(origin.x + t, origin.y, origin.z);
-            const look seen = look_at(domain->media, segments[s].regions, point, step);
-            add_look(domain, (k * domain->size[1] + j) * domain->size[0] + n / LOOKS, &seen);
+        const uint64_t regions = s < count && segments[s].t0 <= t ? segments[s].regions : 0;
+        if (regions != run.regions || run.count == RUN) {
+            take_run(domain, &run);
         }
+        if (regions != 0) {
+            run.first = run.count == 0 ? n : run.first;
+            run.points[run.count++] = vec3(origin.x + t, origin.y, origin.z);
+        }
+        run.regions = regions;
     }
+    take_run(domain, &run);
 }
 
 static void look_into_slab(void *user, size_t k, size_t worker)

@@ -47,10 +47,14 @@ typedef struct ord_span {
     uint32_t region;
 } ord_span;
 
+enum { ORD_MARCH_BLOCK = 32 /* steps whose detail is looked at together */ };
+
 struct air_march_scratch {
     air_ray_media media;
     ord_span spans[AIR_PATH_LANES][ORD_SPANS];
     size_t span_count[AIR_PATH_LANES];
+    /* Factors of detail on a block of steps, region by region of those present. */
+    float detail[AIR_MAX_REGIONS][ORD_MARCH_BLOCK];
 };
 
 enum { ORD_BLOCK = 16 /* sources whose fluences are in memory at a time */ };

@@ -16,6 +16,35 @@
 #include "airlight/medium.h"
 #include "core/vec.h"
 
+/* Lattice points along an axis before they repeat; a power of two. */
+enum { AIR_DETAIL_PERIOD = 4096 };
+
+/* Lattice coordinates have no fractions worth the name from here on. */
+#define AIR_DETAIL_TOO_FINE 0x1p20f
+
+/* What a lattice point's coordinates are multiplied by before they are hashed together; odd. */
+#define AIR_DETAIL_KEY_X 0x9e3779b1u
+#define AIR_DETAIL_KEY_Y 0x85ebca77u
+#define AIR_DETAIL_KEY_Z 0xc2b2ae3du
+
+/* An octave: what the coarsest lattice's coordinates are multiplied by, and then shifted by. */
+typedef struct air_detail_octave {
+    float scale, shift[3], amplitude;
+    uint32_t seed;
+} air_detail_octave;
+
+/* Places in the coarsest lattice. */
+typedef struct air_detail_points {
+    const float *x, *y, *z;
+    size_t count;
+} air_detail_points;
+
+/* Adds an octave of noise to sums, one per point. Coordinates in the octave's lattice must be below
+ * AIR_DETAIL_TOO_FINE. */
+typedef void air_detail_kernel(const air_detail_octave *octave, const air_detail_points *points,
+                               float *sum);
+air_detail_kernel air_detail_octave_plain, air_detail_octave_avx2, air_detail_octave_avx512;
+
 typedef struct air_detail_field {
     float strength;   /* 0: there is none */
     float feature_m;  /* spacing of the coarsest lattice in the world; the mean of its sides */
@@ -23,11 +52,12 @@ typedef struct air_detail_field {
     uint32_t octaves; /* 1..AIR_MAX_OCTAVES */
     uint32_t seeds[AIR_MAX_OCTAVES];
     float shifts[AIR_MAX_OCTAVES][3]; /* of the octaves' lattices, in their own spacings */
-    float to_lattice[12];             /* from the world to the coarsest lattice */
+    air_detail_kernel *kernel;
+    float to_lattice[12]; /* from the world to the coarsest lattice */
 } air_detail_field;
 
-/* Of a checked description. */
-void air_detail_make(const air_detail *detail, air_detail_field *out);
+/* Of a checked description. All instruction sets give the same bytes. */
+void air_detail_make(const air_detail *detail, air_cpu cpu, air_detail_field *out);
 
 /* Noise at a world point, in [-1, 1]. Octaves whose lattice is finer than width_m (>= 0, metres)
  * fade out, and are gone at half of it: what steps of width_m cannot resolve. Octaves so fine that
@@ -39,6 +69,10 @@ static inline float air_detail_factor(const air_detail_field *field, air_vec3 po
 {
     return 1.0f + field->strength * air_detail_noise(field, point, width_m);
 }
+
+/* The same at many points, which is faster. */
+void air_detail_factors(const air_detail_field *field, const air_vec3 *points, size_t count,
+                        float width_m, float *out);
 
 static inline float air_detail_most(const air_detail_field *field)
 {

@@ -131,22 +131,38 @@ static air_coefficients plain_coefficients(const air_medium *medium, const air_r
     }
 }
 
-air_coefficients air_medium_coefficients_within(const air_medium *medium, const air_region *region,
-                                                air_vec3 point, float width_m)
+static air_coefficients with_factor(air_coefficients plain, float factor)
 {
-    air_coefficients out = plain_coefficients(medium, region, point);
-    if (air_medium_is_detailed(medium) &&
-        !(vec3_is_zero(out.sigma_t) && vec3_is_zero(out.emission))) {
-        const float factor = air_detail_factor(&medium->detail, point, width_m);
-        out.sigma_s = vec3_scale(out.sigma_s, factor);
-        out.sigma_t = vec3_scale(out.sigma_t, factor);
-        out.emission = vec3_scale(out.emission, factor);
-    }
-    return out;
+    return (air_coefficients){vec3_scale(plain.sigma_s, factor), vec3_scale(plain.sigma_t, factor),
+                              vec3_scale(plain.emission, factor)};
 }
 
 air_coefficients air_medium_coefficients(const air_medium *medium, const air_region *region,
                                          air_vec3 point)
 {
-    return air_medium_coefficients_within(medium, region, point, 0.0f);
+    const air_coefficients plain = plain_coefficients(medium, region, point);
+    if (!air_medium_is_detailed(medium) ||
+        (vec3_is_zero(plain.sigma_t) && vec3_is_zero(plain.emission))) {
+        return plain;
+    }
+    return with_factor(plain, air_detail_factor(&medium->detail, point, 0.0f));
+}
+
+void air_medium_factors(const air_medium *medium, const air_vec3 *points, size_t count,
+                        float width_m, float *out)
+{
+    if (air_medium_is_detailed(medium)) {
+        air_detail_factors(&medium->detail, points, count, width_m, out);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        out[i] = 1.0f;
+    }
+}
+
+air_coefficients air_medium_coefficients_at(const air_medium *medium, const air_region *region,
+                                            air_vec3 point, float factor)
+{
+    const air_coefficients plain = plain_coefficients(medium, region, point);
+    return air_medium_is_detailed(medium) ? with_factor(plain, factor) : plain;
 }

@@ -218,7 +218,7 @@ static air_status add_layers(media_builder *builder, const air_subject *subject,
     return status;
 }
 
-static void set_coefficients(air_medium *medium, const air_medium_desc *desc)
+static void set_coefficients(air_medium *medium, const air_medium_desc *desc, air_cpu cpu)
 {
     const air_density *density = &desc->density;
     medium->sigma_s = vec3_load(desc->sigma_s);
@@ -231,7 +231,7 @@ static void set_coefficients(air_medium *medium, const air_medium_desc *desc)
     medium->combine = desc->combine;
     medium->priority = desc->priority;
     if (density->detail.strength > 0.0f) {
-        air_detail_make(&density->detail, &medium->detail);
+        air_detail_make(&density->detail, cpu, &medium->detail);
     }
     if (density->kind == AIR_DENSITY_LAYERED || density->kind == AIR_DENSITY_EXPONENTIAL) {
         medium->up = vec3_normalize(vec3_load(density->up));
@@ -254,7 +254,7 @@ static air_status build_medium(media_builder *builder, const air_medium_source *
         return air_fail_memory(builder->context, "medium");
     }
     media->count++;
-    set_coefficients(medium, desc);
+    set_coefficients(medium, desc, air_context_cpu(builder->context));
     air_status status = build_boundary(builder, &subject, &desc->boundary, medium, &region);
     if (status == AIR_OK && desc->density.kind == AIR_DENSITY_GRID) {
         status = build_grids(&subject, source, medium, &region);
