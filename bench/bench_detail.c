@@ -52,7 +52,7 @@ static air_medium make_medium(uint32_t octaves, air_cpu cpu)
     return medium;
 }
 
-enum { RUN = 32 };
+enum { RUN = AIR_LOOKS };
 
 /* cpu AIR_CPU_AUTO: point by point, else in runs. */
 static double time_looks(uint32_t octaves, air_cpu cpu, float *sum)
@@ -64,18 +64,18 @@ static double time_looks(uint32_t octaves, air_cpu cpu, float *sum)
     for (int n = 0; n < LOOKS; n += RUN) {
         const air_vec3 from = vec3(air_rng_float(&rng), air_rng_float(&rng), air_rng_float(&rng));
         air_vec3 at[RUN];
-        float factors[RUN];
+        air_coefficients found[RUN];
         for (int i = 0; i < RUN; i++) {
             at[i] = vec3_madd(from, 0.05f * (float)i, vec3(0.8f, 0.36f, 0.48f));
         }
         if (cpu != AIR_CPU_AUTO) {
-            air_medium_factors(&medium, at, RUN, 0.0f, factors);
+            air_medium_coefficients_run(&medium, &region, at, RUN, 0.0f, found);
         }
         for (int i = 0; i < RUN; i++) {
-            *sum += (cpu == AIR_CPU_AUTO
-                         ? air_medium_coefficients(&medium, &region, at[i])
-                         : air_medium_coefficients_at(&medium, &region, at[i], factors[i]))
-                        .sigma_t.x;
+            if (cpu == AIR_CPU_AUTO) {
+                found[i] = air_medium_coefficients(&medium, &region, at[i]);
+            }
+            *sum += found[i].sigma_t.x;
         }
     }
     return 1e9 * (seconds() - start) / LOOKS;

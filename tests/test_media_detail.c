@@ -366,6 +366,14 @@ static void all_coefficients_have_the_factor(void **state)
         assert_float_equal(c.sigma_s.y, 4.0f * factor, 1e-5f);
         assert_float_equal(c.sigma_t.x, 3.0f * factor, 1e-5f);
         assert_float_equal(c.emission.z, 0.5f * factor, 1e-5f);
+        air_vec3 points[AIR_LOOKS];
+        air_coefficients run[AIR_LOOKS];
+        for (int i = 0; i < AIR_LOOKS; i++) {
+            points[i] = i == n % AIR_LOOKS ? p : random_point(&rng, 1.0f);
+        }
+        air_medium_coefficients_run(&media.media[0], &media.regions[0], points, AIR_LOOKS, 0.0f,
+                                    run);
+        assert_memory_equal(&run[n % AIR_LOOKS], &c, sizeof c);
     }
     air_media_finish(files->context, &media);
     desc.density.detail.strength = 0.0f;

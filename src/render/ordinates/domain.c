@@ -208,28 +208,9 @@ static void warn_of_thin_media(const ord_domain *domain)
 
 /* ---- coefficients ---- */
 
-/* Looks in a row whose detail is looked at together. */
-enum { RUN = 32 };
-
 typedef struct look {
     air_vec3 sigma_s, sigma_t, weighted; /* weighted: sigma_s times mean cosine */
 } look;
-
-/* factors: of detail, of the regions in the order of their numbers, RUN from one to the next. */
-static look look_at(const air_media *media, uint64_t regions, air_vec3 point, const float *factors)
-{
-    look sum;
-    memset(&sum, 0, sizeof sum);
-    for (; regions != 0; regions &= regions - 1, factors += RUN) {
-        const air_region *region = &media->regions[__builtin_ctzll(regions)];
-        const air_medium *medium = &media->media[region->medium];
-        const air_coefficients c = air_medium_coefficients_at(medium, region, point, *factors);
-        sum.sigma_s = vec3_add(sum.sigma_s, c.sigma_s);
-        sum.sigma_t = vec3_add(sum.sigma_t, c.sigma_t);
-        sum.weighted = vec3_madd(sum.weighted, (float)phase_legendre(medium->phase, 1), c.sigma_s);
-    }
-    return sum;
-}
 
 static void add_look(ord_domain *domain, size_t cell, const look *seen)
 {
@@ -247,22 +228,29 @@ static void add_look(ord_domain *domain, size_t cell, const look *seen)
 typedef struct look_run {
     uint64_t regions;
     size_t row, first, count; /* row: index of the row's first cell */
-    air_vec3 points[RUN];
+    air_vec3 points[AIR_LOOKS];
 } look_run;
 
 static void take_run(ord_domain *domain, look_run *run)
 {
     const air_media *const media = domain->media;
-    float factors[AIR_MAX_REGIONS][RUN];
-    size_t r = 0;
-    for (uint64_t rest = run->regions; rest != 0 && run->count > 0; rest &= rest - 1, r++) {
+    air_coefficients found[AIR_LOOKS];
+    look seen[AIR_LOOKS];
+    memset(seen, 0, run->count * sizeof *seen);
+    for (uint64_t rest = run->regions; rest != 0 && run->count > 0; rest &= rest - 1) {
         const air_region *region = &media->regions[__builtin_ctzll(rest)];
-        air_medium_factors(&media->media[region->medium], run->points, run->count,
-                           domain->cell_m / LOOKS, factors[r]);
+        const air_medium *medium = &media->media[region->medium];
+        const float cosine = (float)phase_legendre(medium->phase, 1);
+        air_medium_coefficients_run(medium, region, run->points, run->count, domain->cell_m / LOOKS,
+                                    found);
+        for (size_t i = 0; i < run->count; i++) {
+            seen[i].sigma_s = vec3_add(seen[i].sigma_s, found[i].sigma_s);
+            seen[i].sigma_t = vec3_add(seen[i].sigma_t, found[i].sigma_t);
+            seen[i].weighted = vec3_madd(seen[i].weighted, cosine, found[i].sigma_s);
+        }
     }
     for (size_t i = 0; i < run->count; i++) {
-        const look seen = look_at(media, run->regions, run->points[i], &factors[0][i]);
-        add_look(domain, run->row + (run->first + i) / LOOKS, &seen);
+        add_look(domain, run->row + (run->first + i) / LOOKS, &seen[i]);
     }
     run->count = 0;
 }
@@ -284,7 +272,7 @@ static void look_along(ord_domain *domain, size_t j, size_t k, float y, float z)
             s++;
         }
         const uint64_t regions = s < count && segments[s].t0 <= t ? segments[s].regions : 0;
-        if (regions != run.regions || run.count == RUN) {
+        if (regions != run.regions || run.count == AIR_LOOKS) {
             take_run(domain, &run);
         }
         if (regions != 0) {

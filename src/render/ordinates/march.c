@@ -9,12 +9,17 @@
 /* Below this share of the light the march ends. */
 #define LEAST_SHARE 1e-5f
 
+enum { MOST_REFINEMENT = 2 };
+
 /* The media at a point. */
 typedef struct look {
     air_vec3 sigma_t[ORD_MARCHES], sent[ORD_MARCHES];
 } look;
 
-static look look_at(const air_with_ordinates *with, uint64_t regions, air_vec3 point)
+/* found: the coefficients of the regions, in the order of their numbers, ORD_MARCH_BLOCK from one
+ * to the next. */
+static look look_at(const air_with_ordinates *with, uint64_t regions, air_vec3 point,
+                    const air_coefficients *found)
 {
     const air_media *const media = &with->snapshot->media;
     air_vec3 sigma_s[AIR_MAX_REGIONS];
@@ -22,16 +27,14 @@ static look look_at(const air_with_ordinates *with, uint64_t regions, air_vec3 p
     look out;
     size_t count = 0;
     memset(&out, 0, sizeof out);
-    for (; regions != 0; regions &= regions - 1, count++) {
+    for (; regions != 0; regions &= regions - 1, count++, found += ORD_MARCH_BLOCK) {
         const air_region *region = &media->regions[__builtin_ctzll(regions)];
-        const air_coefficients found =
-            air_medium_coefficients(&media->media[region->medium], region, point);
         medium[count] = region->medium;
-        sigma_s[count] = found.sigma_s;
-        out.sigma_t[ORD_FIRST] = vec3_add(out.sigma_t[ORD_FIRST], found.sigma_t);
+        sigma_s[count] = found->sigma_s;
+        out.sigma_t[ORD_FIRST] = vec3_add(out.sigma_t[ORD_FIRST], found->sigma_t);
         out.sigma_t[ORD_SOLVED] =
             vec3_add(out.sigma_t[ORD_SOLVED],
-                     vec3_madd(found.sigma_t, -with->media[region->medium].peak, found.sigma_s));
+                     vec3_madd(found->sigma_t, -with->media[region->medium].peak, found->sigma_s));
     }
     out.sigma_t[ORD_CARRIED] = out.sigma_t[ORD_FIRST];
     const ord_corners c = ord_corners_find(with, point, vec3_mean(out.sigma_t[ORD_FIRST]));
@@ -84,18 +87,70 @@ static bool attenuates(const air_media *media, uint64_t regions)
     return any;
 }
 
-/* Point by point, in the stretch from t0 to t1. */
-static void march_points(const air_with_ordinates *with, uint64_t regions, float t0, float t1,
-                         const air_path_lane *lane, ord_gathered *g)
+/* Steps as long as the light of cells asks for, but no longer than the finest features of detail,
+ * down to half of that. Then smoke with features of three steps and below lacks 3.5 % of a picture
+ * (rms) instead of 12.5, for 1.5 times the time; half of it again would take 2.5 times. */
+static float longest_step(const air_with_ordinates *with, uint64_t regions)
 {
+    const air_media *const media = &with->snapshot->media;
     const float longest = with->domain.cell_m / (float)with->settings->march;
-    const float count = ceilf(float_min((t1 - t0) / longest, ORD_MOST_STEPS));
-    const float length = (t1 - t0) / float_max(count, 1.0f);
-    for (float n = 0.0f; n < count && vec3_max(g->through[ORD_SOLVED]) >= LEAST_SHARE; n += 1.0f) {
-        const float t = t0 + (n + lane->u_distance) * length;
-        const look seen = look_at(with, regions, vec3_madd(lane->origin, t, lane->dir));
-        for (int i = 0; i < ORD_MARCHES; i++) {
-            step(seen.sigma_t[i], seen.sent[i], length, &g->through[i], &g->sum[i]);
+    float finest = longest;
+    for (; regions != 0; regions &= regions - 1) {
+        const air_medium *medium = &media->media[media->regions[__builtin_ctzll(regions)].medium];
+        if (air_medium_is_detailed(medium)) {
+            finest = float_min(finest, air_detail_finest(&medium->detail));
+        }
+    }
+    return float_max(finest, longest / MOST_REFINEMENT);
+}
+
+static void look_at_media(const air_with_ordinates *with, uint64_t regions, const air_vec3 *points,
+                          size_t count, float length, air_march_scratch *scratch)
+{
+    const air_media *const media = &with->snapshot->media;
+    for (size_t r = 0; regions != 0; regions &= regions - 1, r++) {
+        const air_region *region = &media->regions[__builtin_ctzll(regions)];
+        air_medium_coefficients_run(&media->media[region->medium], region, points, count, length,
+                                    scratch->found[r]);
+    }
+}
+
+/* Without detail, looking at steps together gains nothing and goes on behind the march's end. */
+static size_t block_of(const air_media *media, uint64_t regions)
+{
+    bool detailed = false;
+    for (; regions != 0; regions &= regions - 1) {
+        const air_region *region = &media->regions[__builtin_ctzll(regions)];
+        detailed = detailed || air_medium_is_detailed(&media->media[region->medium]);
+    }
+    return detailed ? ORD_MARCH_BLOCK : 1;
+}
+
+/* Point by point, in the stretch from t0 to t1. */
+static void march_points(const air_with_ordinates *with, air_march_scratch *scratch,
+                         uint64_t regions, float t0, float t1, const air_path_lane *lane,
+                         ord_gathered *g)
+{
+    const size_t block = block_of(&with->snapshot->media, regions);
+    const float longest = longest_step(with, regions);
+    const float steps = ceilf(float_min((t1 - t0) / longest, ORD_MOST_STEPS));
+    const float length = (t1 - t0) / float_max(steps, 1.0f);
+    air_vec3 points[ORD_MARCH_BLOCK];
+    for (float n = 0.0f; n < steps; n += (float)(ptrdiff_t)block) {
+        const size_t count = (size_t)float_min(steps - n, (float)(ptrdiff_t)block);
+        for (size_t i = 0; i < count; i++) {
+            const float at = n + (float)(ptrdiff_t)i + lane->u_distance;
+            points[i] = vec3_madd(lane->origin, t0 + at * length, lane->dir);
+        }
+        look_at_media(with, regions, points, count, length, scratch);
+        for (size_t i = 0; i < count; i++) {
+            const look seen = look_at(with, regions, points[i], &scratch->found[0][i]);
+            for (int m = 0; m < ORD_MARCHES; m++) {
+                step(seen.sigma_t[m], seen.sent[m], length, &g->through[m], &g->sum[m]);
+            }
+            if (vec3_max(g->through[ORD_SOLVED]) < LEAST_SHARE) {
+                return;
+            }
         }
     }
 }
@@ -122,13 +177,14 @@ static bool list_spans(const air_with_ordinates *with, const air_ray_media *medi
     return true;
 }
 
-static void march_segments(const air_with_ordinates *with, const air_ray_media *media,
+static void march_segments(const air_with_ordinates *with, air_march_scratch *scratch,
                            const air_path_lane *lane, ord_gathered *g)
 {
+    const air_ray_media *const media = &scratch->media;
     for (size_t s = 0; s < media->count; s++) {
         const air_ray_segment *const segment = &media->segments[s];
         if (attenuates(&with->snapshot->media, segment->regions)) {
-            march_points(with, segment->regions, segment->t0, segment->t1, lane, g);
+            march_points(with, scratch, segment->regions, segment->t0, segment->t1, lane, g);
         }
     }
 }
@@ -152,7 +208,7 @@ void ord_march(const air_with_ordinates *with, air_march_scratch *scratch,
                            met ? lanes[i].hit.t : AIR_FAR);
         if (!list_spans(with, &scratch->media, scratch->spans[i], &scratch->span_count[i])) {
             scratch->span_count[i] = 0;
-            march_segments(with, &scratch->media, &lanes[i], &g[i]);
+            march_segments(with, scratch, &lanes[i], &g[i]);
         }
     }
     ord_march_voxels(with, scratch, lanes, count, g);

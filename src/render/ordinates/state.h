@@ -7,6 +7,7 @@
 #include "render/ordinates/sky.h"
 #include "render/ordinates/voxels.h"
 #include "render/ordinates/with_ordinates.h"
+#include "scene/media/field.h"
 
 /* One medium as the march meets it. */
 typedef struct ord_medium {
@@ -47,14 +48,14 @@ typedef struct ord_span {
     uint32_t region;
 } ord_span;
 
-enum { ORD_MARCH_BLOCK = 32 /* steps whose detail is looked at together */ };
+enum { ORD_MARCH_BLOCK = 16 /* steps looked at together; at most AIR_LOOKS */ };
 
 struct air_march_scratch {
     air_ray_media media;
     ord_span spans[AIR_PATH_LANES][ORD_SPANS];
     size_t span_count[AIR_PATH_LANES];
-    /* Factors of detail on a block of steps, region by region of those present. */
-    float detail[AIR_MAX_REGIONS][ORD_MARCH_BLOCK];
+    /* On a block of steps, region by region of those present. */
+    air_coefficients found[AIR_MAX_REGIONS][ORD_MARCH_BLOCK];
 };
 
 enum { ORD_BLOCK = 16 /* sources whose fluences are in memory at a time */ };

@@ -16,8 +16,9 @@ enum { PER_PIXEL = 32, MOST_VOXELS = 1 << 24 };
 #define PER_CELL   2.0f
 #define PER_HEIGHT 8.0f
 
-/* Per voxel of a grid that lies across the world's axes. */
-#define PER_TURNED 2.0f
+/* Per voxel of a grid that lies across the world's axes, and per feature of the finest detail. */
+#define PER_TURNED  2.0f
+#define PER_FEATURE 3.0f
 
 /* ---- where ---- */
 
@@ -46,11 +47,20 @@ static void set_axis(ord_voxels *v, int axis, float low, float edge_m, float siz
     v->step_m = axis == 0 ? edge_m : float_min(v->step_m, edge_m);
 }
 
-/* How many voxels are made of one of the grid's, which are too long to tell cells apart: an odd
- * number, so that what lay at a centre does so still. */
-static float parts_of(const ord_domain *domain, float edge_m)
+/* What tells cells and detail apart. */
+static float fine_edge(const ord_domain *domain, const air_medium *medium)
 {
-    const float parts = ceilf(edge_m * PER_CELL / domain->cell_m - 1e-3f);
+    const float cell = domain->cell_m / PER_CELL;
+    return air_medium_is_detailed(medium)
+               ? float_min(cell, air_detail_finest(&medium->detail) / PER_FEATURE)
+               : cell;
+}
+
+/* How many voxels are made of one of the grid's, which are too long: an odd number, so that what
+ * lay at a centre does so still. */
+static float parts_of(const ord_domain *domain, const air_medium *medium, float edge_m)
+{
+    const float parts = ceilf(edge_m / fine_edge(domain, medium) - 1e-3f);
     return float_max(1.0f, 2.0f * floorf(0.5f * parts) + 1.0f);
 }
 
@@ -68,7 +78,7 @@ static void lay_on_grid(const ord_domain *domain, const air_medium *medium, ord_
         const float end = ceilf((domain->origin[axis] + extent) * scale + shift);
         const float low = float_min(float_max(begin, 0.0f), last);
         const float high = float_min(float_max(end, low), last);
-        const float parts = parts_of(domain, 1.0f / scale);
+        const float parts = parts_of(domain, medium, 1.0f / scale);
         set_axis(v, axis, (low - 0.5f - shift) / scale, 1.0f / (scale * parts),
                  (high - low + 1.0f) * parts);
     }
@@ -105,14 +115,14 @@ static float grid_edge(const air_medium *medium)
 
 static float edge_of(const ord_domain *domain, const air_medium *medium)
 {
-    const float cell = domain->cell_m / PER_CELL;
+    const float fine = fine_edge(domain, medium);
     switch (medium->kind) {
     case AIR_DENSITY_GRID:
-        return float_min(cell, grid_edge(medium) / PER_TURNED);
+        return float_min(fine, grid_edge(medium) / PER_TURNED);
     case AIR_DENSITY_EXPONENTIAL:
-        return float_min(cell, 1.0f / (PER_HEIGHT * medium->inverse_scale_height));
+        return float_min(fine, 1.0f / (PER_HEIGHT * medium->inverse_scale_height));
     default:
-        return cell;
+        return fine;
     }
 }
 
@@ -249,20 +259,37 @@ static void put_extinction(const air_volume *volume, size_t voxel, air_vec3 sigm
     }
 }
 
+/* Of voxels of a row, from number `first` of it on. */
+static void fill_run(const filling *f, size_t first, size_t count, size_t j, size_t k)
+{
+    const size_t *const size = f->voxels->volume[0].size;
+    air_vec3 points[AIR_LOOKS];
+    air_coefficients found[AIR_LOOKS];
+    for (size_t i = 0; i < count; i++) {
+        points[i] = centre_of(f->voxels, first + i, j, k);
+    }
+    air_medium_coefficients_run(f->medium, f->region, points, count, f->voxels->step_m, found);
+    for (size_t i = 0; i < count; i++) {
+        const air_coefficients *const c = &found[i];
+        const air_vec3 solved = solved_extinction(c->sigma_s, c->sigma_t, f->light->peak);
+        for (int m = 0; m < ORD_MARCHES; m++) {
+            if (f->voxels->volume[m].voxels != NULL) {
+                put_extinction(&f->voxels->volume[m], (k * size[1] + j) * size[0] + first + i,
+                               m == ORD_SOLVED ? solved : c->sigma_t);
+            }
+        }
+    }
+}
+
 static void fill_extinction(void *user, size_t k, size_t worker)
 {
     const filling *const f = user;
     const size_t *const size = f->voxels->volume[0].size;
     (void)worker;
-    for (size_t n = 0; n < size[0] * size[1]; n++) {
-        const air_vec3 point = centre_of(f->voxels, n % size[0], n / size[0], k);
-        const air_coefficients c = air_medium_coefficients(f->medium, f->region, point);
-        const air_vec3 solved = solved_extinction(c.sigma_s, c.sigma_t, f->light->peak);
-        for (int m = 0; m < ORD_MARCHES; m++) {
-            if (f->voxels->volume[m].voxels != NULL) {
-                put_extinction(&f->voxels->volume[m], k * size[0] * size[1] + n,
-                               m == ORD_SOLVED ? solved : c.sigma_t);
-            }
+    for (size_t j = 0; j < size[1]; j++) {
+        for (size_t first = 0; first < size[0]; first += AIR_LOOKS) {
+            const size_t rest = size[0] - first;
+            fill_run(f, first, rest < AIR_LOOKS ? rest : AIR_LOOKS, j, k);
         }
     }
 }

@@ -137,32 +137,41 @@ static air_coefficients with_factor(air_coefficients plain, float factor)
                               vec3_scale(plain.emission, factor)};
 }
 
+/* Nothing is there, whatever the detail. */
+static bool is_nothing(const air_coefficients *c)
+{
+    return vec3_is_zero(c->sigma_t) && vec3_is_zero(c->emission);
+}
+
 air_coefficients air_medium_coefficients(const air_medium *medium, const air_region *region,
                                          air_vec3 point)
 {
     const air_coefficients plain = plain_coefficients(medium, region, point);
-    if (!air_medium_is_detailed(medium) ||
-        (vec3_is_zero(plain.sigma_t) && vec3_is_zero(plain.emission))) {
+    if (!air_medium_is_detailed(medium) || is_nothing(&plain)) {
         return plain;
     }
     return with_factor(plain, air_detail_factor(&medium->detail, point, 0.0f));
 }
 
-void air_medium_factors(const air_medium *medium, const air_vec3 *points, size_t count,
-                        float width_m, float *out)
+void air_medium_coefficients_run(const air_medium *medium, const air_region *region,
+                                 const air_vec3 *points, size_t count, float width_m,
+                                 air_coefficients *out)
 {
-    if (air_medium_is_detailed(medium)) {
-        air_detail_factors(&medium->detail, points, count, width_m, out);
-        return;
-    }
+    air_vec3 places[AIR_LOOKS];
+    float factors[AIR_LOOKS];
+    size_t index[AIR_LOOKS], some = 0;
+    const bool detailed = air_medium_is_detailed(medium);
     for (size_t i = 0; i < count; i++) {
-        out[i] = 1.0f;
+        out[i] = plain_coefficients(medium, region, points[i]);
+        if (detailed && !is_nothing(&out[i])) {
+            places[some] = points[i];
+            index[some++] = i;
+        }
     }
-}
-
-air_coefficients air_medium_coefficients_at(const air_medium *medium, const air_region *region,
-                                            air_vec3 point, float factor)
-{
-    const air_coefficients plain = plain_coefficients(medium, region, point);
-    return air_medium_is_detailed(medium) ? with_factor(plain, factor) : plain;
+    if (some > 0) {
+        air_detail_factors(&medium->detail, places, some, width_m, factors);
+    }
+    for (size_t i = 0; i < some; i++) {
+        out[index[i]] = with_factor(out[index[i]], factors[i]);
+    }
 }

@@ -19,14 +19,13 @@ air_coefficients air_medium_coefficients(const air_medium *medium, const air_reg
 /* Likewise at density 1, whatever it is there. */
 air_coefficients air_medium_full_coefficients(const air_medium *medium, air_vec3 point);
 
-/* Factors of a medium's detail at world points, for looks that are width_m apart (metres, >= 0):
- * without what is too fine for them (air_detail_noise). 1 where there is no detail. */
-void air_medium_factors(const air_medium *medium, const air_vec3 *points, size_t count,
-                        float width_m, float *out);
-
-/* The coefficients where detail's factor is known. */
-air_coefficients air_medium_coefficients_at(const air_medium *medium, const air_region *region,
-                                            air_vec3 point, float factor);
+/* The same as air_medium_coefficients at AIR_LOOKS points at most, which is faster where there is
+ * detail, for looks that are width_m apart (metres, >= 0): without what of the detail is too fine
+ * for them (air_detail_noise). */
+enum { AIR_LOOKS = 32 };
+void air_medium_coefficients_run(const air_medium *medium, const air_region *region,
+                                 const air_vec3 *points, size_t count, float width_m,
+                                 air_coefficients *out);
 
 /* The integral over t of an exponential medium's density at origin + t dir, from t0 to t1 >= t0; t1
  * may be INFINITY. */
