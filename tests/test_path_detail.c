@@ -5,6 +5,7 @@
 #include "core/quadrature.h"
 #include "path/tracking.h"
 #include "path_scene.h"
+#include "scene/fingerprint.h"
 
 /* A medium per kind of density, and all of them on top of each other. */
 typedef enum fog { FOG_EVEN, FOG_LAYERS, FOG_EXPONENTIAL, FOG_GRID, FOG_ALL, FOG_COUNT } fog;
@@ -238,12 +239,36 @@ static void kinds_of_density_have_the_same_detail(void **state)
     air_snapshot_release(grid);
 }
 
+static uint64_t fingerprint(void **state, float strength, uint32_t seed)
+{
+    air_scene *scene = path_scene(state);
+    air_medium_desc medium = medium_in_box(vec3(0, 0, 0), vec3(1, 1, 1));
+    set3(medium.sigma_s, 1, 1, 1);
+    medium.density.detail.strength = strength;
+    medium.density.detail.seed = seed;
+    add_medium(scene, &medium);
+    air_snapshot *snapshot = path_freeze(scene);
+    const uint64_t out = air_fingerprint_snapshot(snapshot);
+    air_snapshot_release(snapshot);
+    return out;
+}
+
+/* Films say which scene they are of; without detail its seed is nothing. */
+static void fingerprints_know_detail_where_there_is_some(void **state)
+{
+    assert_true(fingerprint(state, 0.0f, 1) == fingerprint(state, 0.0f, 2));
+    assert_true(fingerprint(state, 0.5f, 1) == fingerprint(state, 0.5f, 1));
+    assert_true(fingerprint(state, 0.5f, 1) != fingerprint(state, 0.5f, 2));
+    assert_true(fingerprint(state, 0.5f, 1) != fingerprint(state, 0.0f, 1));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(transmittance_is_that_of_quadrature),
         cmocka_unit_test(detail_changes_what_is_let_through),
         cmocka_unit_test(a_furnace_stays_even),
+        cmocka_unit_test(fingerprints_know_detail_where_there_is_some),
         cmocka_unit_test(kinds_of_density_have_the_same_detail),
     };
     return cmocka_run_group_tests(tests, path_set_up, path_tear_down);
