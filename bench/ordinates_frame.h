@@ -70,7 +70,7 @@ typedef struct frame {
     air_seen_box box;
     double factors[AIR_DOM_BANDS_MAX], peak;
     air_volume volume;
-    float *empty;
+    uint8_t *empty;
     frame_ray_tile *tiles[FRAME_THREADS];
     float *picture, *through;      /* width * height * 3 */
     double seconds[STAGES], whole; /* of the last frame */
@@ -160,7 +160,7 @@ static inline void frame_make_volume(frame *self)
     }
     self->box.observer[2] += frame_distance;
     self->volume.voxels = frame_floats((size_t)4 * FRAME_VOXELS * FRAME_VOXELS * FRAME_VOXELS);
-    self->empty = frame_floats(air_volume_block_count(&self->volume));
+    self->empty = (uint8_t *)frame_floats((size_t)FRAME_VOXELS * FRAME_VOXELS * FRAME_VOXELS / 4);
     self->volume.empty = self->empty;
 }
 

@@ -14,7 +14,8 @@ typedef struct smoke {
     air_volume volume;
     size_t count, cell_size[3], numbers; /* voxels, cells, floats per voxel */
     float sigma_t[3 * VOXELS], cell_j[4 * CELLS];
-    float voxels[8 * VOXELS], empty[VOXELS];
+    float voxels[8 * VOXELS];
+    uint8_t empty[VOXELS];
 } smoke;
 
 static void make(air_rng *rng, int round, smoke *out)
@@ -141,48 +142,60 @@ static void marches_do_what_plain_c_does(void **state)
 
 enum { SIDE = 9 };
 
-static size_t apart(size_t a, size_t b) { return a > b ? a - b : b - a; }
-
-/* Blocks between a block and a voxel along an axis; one on a side belongs to both. */
-static size_t blocks_between(size_t block, size_t voxel)
+/* The widest cube from voxel (x, y, z) on without extinction. */
+static size_t widest_from(const air_volume *volume, size_t x, size_t y, size_t z)
 {
-    const size_t own = voxel / AIR_VOLUME_BLOCK;
-    const size_t before = voxel % AIR_VOLUME_BLOCK == 0 && own > 0 ? own - 1 : own;
-    return apart(own, block) < apart(before, block) ? apart(own, block) : apart(before, block);
-}
-
-static size_t nearest_of(const float *voxels, size_t x, size_t y, size_t z)
-{
-    size_t nearest = 255;
+    const size_t stride = volume->coloured ? 8 : 4, first = volume->coloured ? 4 : 3;
+    size_t widest = 255;
     for (size_t i = 0; i < SIDE * SIDE * SIDE; i++) {
-        size_t away = blocks_between(x, i % SIDE);
-        const size_t along_y = blocks_between(y, i / SIDE % SIDE);
-        const size_t along_z = blocks_between(z, i / SIDE / SIDE);
-        away = along_y > away ? along_y : away;
-        away = along_z > away ? along_z : away;
-        nearest = voxels[4 * i + 3] > 0.0f && away < nearest ? away : nearest;
+        const size_t at[3] = {i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE};
+        const float *const voxel = volume->voxels + stride * i + first;
+        const bool empty = voxel[0] == 0.0f && (!volume->coloured || voxel[1] + voxel[2] == 0.0f);
+        if (!empty && at[0] >= x && at[1] >= y && at[2] >= z) {
+            size_t away = at[0] - x;
+            away = at[1] - y > away ? at[1] - y : away;
+            away = at[2] - z > away ? at[2] - z : away;
+            widest = away < widest ? away : widest;
+        }
     }
-    return nearest;
+    return widest;
 }
 
-static void empty_blocks_know_the_nearest_that_are_not(void **state)
+static void voxels_know_the_widest_empty_cube_from_them_on(void **state)
 {
-    static float voxels[4 * SIDE * SIDE * SIDE], empty[SIDE * SIDE * SIDE];
-    const air_volume volume = {.size = {SIDE, SIDE, SIDE}, .voxels = voxels};
-    const size_t blocks = (SIDE + AIR_VOLUME_BLOCK - 1) / AIR_VOLUME_BLOCK;
+    enum { ALL = SIDE * SIDE * SIDE };
+    static float voxels[8 * ALL];
+    static uint8_t empty[ALL];
     air_rng rng = air_rng_from_keys(9, 1);
     (void)state;
-    assert_int_equal(air_volume_block_count(&volume), blocks * blocks * blocks);
     for (int round = 0; round < 10; round++) {
-        for (size_t i = 0; i < SIDE * SIDE * SIDE; i++) {
-            voxels[4 * i + 3] = air_rng_float(&rng) < 0.003f ? 1.0f : 0.0f;
+        const air_volume volume = {
+            .size = {SIDE, SIDE, SIDE}, .coloured = round % 2 == 1, .voxels = voxels};
+        memset(voxels, 0, sizeof voxels);
+        for (size_t i = 0; i < ALL; i++) {
+            const float sigma_t = air_rng_float(&rng) < 0.003f ? 1.0f : 0.0f;
+            voxels[volume.coloured ? 8 * i + 4 + i % 3 : 4 * i + 3] = sigma_t;
         }
         air_volume_find_empty(&volume, empty);
-        for (size_t b = 0; b < blocks * blocks * blocks; b++) {
-            const size_t expected =
-                nearest_of(voxels, b % blocks, b / blocks % blocks, b / blocks / blocks);
-            assert_true(empty[b] == (float)(ptrdiff_t)expected);
+        for (size_t i = 0; i < ALL; i++) {
+            assert_int_equal(empty[i],
+                             widest_from(&volume, i % SIDE, i / SIDE % SIDE, i / SIDE / SIDE));
         }
+    }
+}
+
+static void rows_may_be_longer_than_bytes_count(void **state)
+{
+    enum { LONG = 300 };
+    static float voxels[4 * LONG];
+    static uint8_t empty[LONG];
+    const air_volume volume = {.size = {LONG, 1, 1}, .voxels = voxels};
+    (void)state;
+    voxels[4 * 290 + 3] = 1.0f;
+    air_volume_find_empty(&volume, empty);
+    for (size_t i = 0; i < LONG; i++) {
+        const size_t away = i <= 290 ? 290 - i : 255;
+        assert_int_equal(empty[i], away < 255 ? away : 255);
     }
 }
 
@@ -190,7 +203,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(voxels_are_filled_as_plain_c_does),
-        cmocka_unit_test(empty_blocks_know_the_nearest_that_are_not),
+        cmocka_unit_test(voxels_know_the_widest_empty_cube_from_them_on),
+        cmocka_unit_test(rows_may_be_longer_than_bytes_count),
         cmocka_unit_test(marches_do_what_plain_c_does),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

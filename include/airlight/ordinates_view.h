@@ -11,6 +11,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "airlight/context.h"
 #include "airlight/medium.h"
@@ -86,8 +87,8 @@ typedef struct air_volume {
     /* Per voxel (J.r, J.g, J.b, sigma_t); coloured: (J.r, J.g, J.b, 0, sigma_t.r, .g, .b, the least
      * of these). */
     float *voxels;
-    const float *empty; /* of blocks, how far away the next is that is not empty
-                             (air_volume_find_empty), so that marches take no steps between; NULL */
+    const uint8_t *empty; /* of voxels, how large cubes without extinction are from each on
+                             (air_volume_find_empty): marches take no steps there; NULL */
 } air_volume;
 
 /* Fills voxels of k in [begin, end) from cells that fill the same box, of any number: J is
@@ -99,14 +100,10 @@ AIR_API void air_volume_fill(const air_context *context, const air_volume *volum
                              const float *sigma_t, const size_t cell_size[3], const float *cell_j,
                              bool bilateral, float largest, size_t begin, size_t end);
 
-/* Blocks of voxels: AIR_VOLUME_BLOCK along each axis, the last may have fewer. */
-enum { AIR_VOLUME_BLOCK = 2 };
-AIR_API size_t air_volume_block_count(const air_volume *volume);
-
-/* For each block, to out: 0 if extinction is above 0 in it or at its sides; else how many blocks
- * away the nearest such is, by the axis along which it is farthest, 255 at most. Of filled voxels;
- * 1 ms for 64^3. */
-AIR_API void air_volume_find_empty(const air_volume *volume, float *out);
+/* For each voxel, to out: how many voxels wide the largest cube is of which it is the lowest corner
+ * and in which no extinction is above 0; 0 where its own is, 255 at most; beyond the volume there
+ * is none. Of filled voxels; 0.5 ms for 64^3. */
+AIR_API void air_volume_find_empty(const air_volume *volume, uint8_t *out);
 
 /* Rays in the box's frame, coordinate by coordinate; dir of any length: t counts in it. */
 typedef struct air_volume_rays {

@@ -37,11 +37,6 @@ static inline volume_neighbours volume_find_neighbours(size_t voxel, size_t voxe
 /* Floats per voxel. */
 static inline size_t volume_stride(const air_volume *volume) { return volume->coloured ? 8 : 4; }
 
-static inline size_t volume_blocks(size_t voxels)
-{
-    return (voxels + AIR_VOLUME_BLOCK - 1) / AIR_VOLUME_BLOCK;
-}
-
 /* Trilinear. */
 static inline void volume_sample(const air_volume *volume, const float point[3], float *out)
 {

@@ -1,89 +1,78 @@
 /* volume_empty.c: where marches need not look. */
+#include <string.h>
+
 #include "ordinates/volume.h"
 
-enum { BLOCK = AIR_VOLUME_BLOCK, MOST = 255 };
+enum { MOST = 255, RUN = 64 /* voxels of a row at a time */ };
 
-size_t air_volume_block_count(const air_volume *volume)
-{
-    return volume_blocks(volume->size[0]) * volume_blocks(volume->size[1]) *
-           volume_blocks(volume->size[2]);
-}
+static inline unsigned lesser(unsigned a, unsigned b) { return a < b ? a : b; }
 
-static bool is_row_empty(const air_volume *volume, const float *row, size_t count)
+/* out becomes the lesser of it and of each number and its successor. */
+static void lessen(const uint8_t *row, size_t count, bool last, uint8_t *out)
 {
-    const size_t stride = volume_stride(volume);
-    float most = 0.0f;
-    for (size_t i = 0; i < count; i++, row += stride) {
-        most = float_max(most,
-                         volume->coloured ? float_max(row[4], float_max(row[5], row[6])) : row[3]);
+    const size_t pairs = count - (last ? 1 : 0);
+    for (size_t i = 0; i < pairs; i++) {
+        const uint8_t both = row[i] < row[i + 1] ? row[i] : row[i + 1];
+        out[i] = both < out[i] ? both : out[i];
     }
-    return most <= 0.0f;
+    if (last) {
+        out[pairs] = row[pairs] < out[pairs] ? row[pairs] : out[pairs];
+    }
 }
 
-static size_t least(size_t a, size_t b) { return a < b ? a : b; }
+static void find_free(const air_volume *volume, size_t voxel, size_t count, uint8_t *out)
+{
+    const float *const grey = volume->voxels + 4 * voxel + 3;
+    const float *const coloured = volume->voxels + 8 * voxel + 4;
+    for (size_t i = 0; i < count && !volume->coloured; i++) {
+        out[i] = grey[4 * i] <= 0.0f ? 1 : 0;
+    }
+    for (size_t i = 0; i < count && volume->coloured; i++) {
+        const float *const at = coloured + 8 * i;
+        out[i] = float_max(at[0], float_max(at[1], at[2])) <= 0.0f ? 1 : 0;
+    }
+}
 
-/* Points of block b lie between voxels BLOCK b and BLOCK (b + 1) along each axis. */
-static bool is_block_empty(const air_volume *volume, size_t x, size_t y, size_t z)
+/* A run of a row, of which all above is known: an empty voxel's cube is by one wider than the least
+ * of its seven neighbours'. `next`: the one behind the run. */
+static unsigned grow_run(const air_volume *volume, size_t voxel, size_t count, bool last,
+                         const bool above[2], unsigned next, uint8_t *out)
+{
+    const size_t line = volume->size[0], slab = line * volume->size[1];
+    uint8_t least[RUN], free[RUN] = {0};
+    memset(least, MOST, sizeof least);
+    find_free(volume, voxel, count, free);
+    if (above[0]) {
+        lessen(out + line, count, last, least);
+    }
+    if (above[1]) {
+        lessen(out + slab, count, last, least);
+    }
+    if (above[0] && above[1]) {
+        lessen(out + slab + line, count, last, least);
+    }
+    for (size_t i = 0; i < RUN; i++) {
+        const uint8_t wider = least[i] < MOST ? (uint8_t)(least[i] + 1) : MOST;
+        least[i] = free[i] != 0 ? wider : 0;
+    }
+    for (size_t i = count; i-- > 0;) {
+        next = lesser(next + 1, least[i]);
+        out[i] = (uint8_t)next;
+    }
+    return next;
+}
+
+void air_volume_find_empty(const air_volume *volume, uint8_t *out)
 {
     const size_t *const size = volume->size;
-    const size_t count = least(size[0] - x * BLOCK, BLOCK + 1);
-    for (size_t k = z * BLOCK; k < least(size[2], z * BLOCK + BLOCK + 1); k++) {
-        for (size_t j = y * BLOCK; j < least(size[1], y * BLOCK + BLOCK + 1); j++) {
-            const size_t voxel = (k * size[1] + j) * size[0] + x * BLOCK;
-            if (!is_row_empty(volume, volume->voxels + voxel * volume_stride(volume), count)) {
-                return false;
-            }
+    for (size_t row = size[1] * size[2]; row-- > 0;) {
+        const bool above[2] = {(row + 1) % size[1] != 0, row / size[1] + 1 < size[2]};
+        unsigned next = MOST;
+        for (size_t run = (size[0] + RUN - 1) / RUN; run-- > 0;) {
+            const size_t begin = run * RUN, voxel = row * size[0] + begin;
+            const bool last = begin + RUN >= size[0];
+            next = grow_run(volume, voxel, last ? size[0] - begin : RUN, last, above, next,
+                            out + voxel);
         }
     }
-    return true;
-}
-
-/* One more than the least of three of a row that came before. */
-static void spread_row(const float *before, size_t count, float *row)
-{
-    for (size_t i = 0; i < count; i++) {
-        const float low = before[i > 0 ? i - 1 : i], high = before[i + 1 < count ? i + 1 : i];
-        row[i] = float_min(row[i], float_min(before[i], float_min(low, high)) + 1.0f);
-    }
-}
-
-/* Chessboard distances from what came before in the order of `way` [Rosenfeld1966]: a row of
- * blocks from its like one slab before and that one's neighbours, from the row before in its slab,
- * and along itself. */
-static void spread(const ptrdiff_t count[3], ptrdiff_t way, float *out)
-{
-    for (ptrdiff_t n = 0; n < count[1] * count[2]; n++) {
-        const ptrdiff_t at = way > 0 ? n : count[1] * count[2] - 1 - n;
-        const ptrdiff_t y = at % count[1], z = at / count[1], line = count[0];
-        float *const row = out + at * line;
-        for (ptrdiff_t side = -1; side <= 1; side++) {
-            if (z - way >= 0 && z - way < count[2] && y + side >= 0 && y + side < count[1]) {
-                spread_row(row + (side - way * count[1]) * line, (size_t)line, row);
-            }
-        }
-        if (y - way >= 0 && y - way < count[1]) {
-            spread_row(row - way * line, (size_t)line, row);
-        }
-        for (ptrdiff_t i = 1; i < line; i++) {
-            float *const next = way > 0 ? row + i : row + line - 1 - i;
-            *next = float_min(*next, next[-way] + 1.0f);
-        }
-    }
-}
-
-void air_volume_find_empty(const air_volume *volume, float *out)
-{
-    const ptrdiff_t count[3] = {(ptrdiff_t)volume_blocks(volume->size[0]),
-                                (ptrdiff_t)volume_blocks(volume->size[1]),
-                                (ptrdiff_t)volume_blocks(volume->size[2])};
-    float *to = out;
-    for (ptrdiff_t z = 0; z < count[2]; z++) {
-        for (ptrdiff_t y = 0; y < count[1]; y++) {
-            for (ptrdiff_t x = 0; x < count[0]; x++) {
-                *to++ = is_block_empty(volume, (size_t)x, (size_t)y, (size_t)z) ? MOST : 0.0f;
-            }
-        }
-    }
-    spread(count, 1, out);
-    spread(count, -1, out);
 }

@@ -68,9 +68,11 @@ static inline lanes spread_half(lanes rays, int q, int half)
 static inline lanes low_of_pairs(lanes a, lanes b) { return _mm512_shuffle_f32x4(a, b, 0x88); }
 static inline lanes high_of_pairs(lanes a, lanes b) { return _mm512_shuffle_f32x4(a, b, 0xdd); }
 
-static inline lanes gather(const float *from, lane_ints at)
+/* Of each place four bytes are read. */
+static inline lane_ints gather_bytes(const uint8_t *from, lane_ints at)
 {
-    return _mm512_i32gather_ps((__m512i)at, from, 4);
+    return (lane_ints)_mm512_and_epi32(_mm512_i32gather_epi32((__m512i)at, from, 1),
+                                       _mm512_set1_epi32(255));
 }
 
 static inline float least_of(lanes a) { return _mm512_reduce_min_ps(a); }
@@ -116,9 +118,11 @@ static inline lanes spread_half(lanes rays, int q, int half)
 static inline lanes low_of_pairs(lanes a, lanes b) { return _mm256_permute2f128_ps(a, b, 0x20); }
 static inline lanes high_of_pairs(lanes a, lanes b) { return _mm256_permute2f128_ps(a, b, 0x31); }
 
-static inline lanes gather(const float *from, lane_ints at)
+static inline lane_ints gather_bytes(const uint8_t *from, lane_ints at)
 {
-    return _mm256_i32gather_ps(from, (__m256i)at, 4);
+    return (lane_ints)_mm256_and_si256(
+        _mm256_i32gather_epi32((const int *)(const void *)from, (__m256i)at, 1),
+        _mm256_set1_epi32(255));
 }
 
 static inline uint32_t bits_of(lane_mask a) { return (uint32_t)_mm256_movemask_ps(a); }
@@ -159,9 +163,9 @@ static inline lanes spread_group(lanes rays, int q) { return lanes_all(rays[q]);
 static inline lanes spread_half(lanes rays, int q, int half) { return lanes_all(rays[q + half]); }
 static inline lanes low_of_pairs(lanes a, lanes b) { return _mm_movelh_ps(a, b); }
 static inline lanes high_of_pairs(lanes a, lanes b) { return _mm_movehl_ps(b, a); }
-static inline lanes gather(const float *from, lane_ints at)
+static inline lane_ints gather_bytes(const uint8_t *from, lane_ints at)
 {
-    return _mm_setr_ps(from[at[0]], from[at[1]], from[at[2]], from[at[3]]);
+    return (lane_ints){from[at[0]], from[at[1]], from[at[2]], from[at[3]]};
 }
 
 static inline uint32_t bits_of(lane_mask a) { return (uint32_t)_mm_movemask_ps(a); }
@@ -189,6 +193,7 @@ typedef struct march {
     int32_t stride[3];       /* numbers between neighbours, 0 where there is one voxel */
     lanes metres;            /* of a step */
     bool any;                /* has any ray a way to go? */
+    bool looking;            /* ahead, for what is empty: four bytes are read at once */
 } march;
 
 static inline lanes each_ray(const float *values, size_t ray, size_t end)
@@ -201,6 +206,17 @@ static inline lanes each_ray(const float *values, size_t ray, size_t end)
         out[n] = values[ray + n < end ? ray + n : end - 1];
     }
     return lanes_load(out);
+}
+
+/* Do four bytes from each of the lowest corners on lie within the voxels'? */
+static bool can_look(const size_t size[3])
+{
+    size_t last = 0, stride = 1;
+    for (int axis = 0; axis < 3; axis++) {
+        last += size[axis] > 1 ? (size[axis] - 2) * stride : 0;
+        stride *= size[axis];
+    }
+    return last + 4 <= stride;
 }
 
 static march march_make(const air_volume *volume, const air_volume_rays *rays, size_t ray,
@@ -227,6 +243,7 @@ static march march_make(const air_volume *volume, const air_volume_rays *rays, s
     }
     m.metres = length * lanes_root(lanes_max(square, lanes_all(1e-30f)));
     m.any = mask_any(lanes_less(none, length));
+    m.looking = volume->empty != NULL && can_look(volume->size);
     return m;
 }
 
@@ -350,43 +367,42 @@ static bounds find_bounds(const march *m, uint32_t steps)
     return out;
 }
 
-/* Of which of LANES steps from `first` on any ray may see what is not empty: blocks away from the
- * middle of the bounds' are not fewer than the nearest such is. */
+/* Of which of LANES steps from `first` on any ray may see what is not empty: the voxels within the
+ * bounds and beside them lie in a cube that begins with the lowest. */
 static inline uint32_t look_ahead(const march *m, const bounds *around, lanes step)
 {
-    const lanes none = lanes_all(0.0f), scale = lanes_all(1.0f / AIR_VOLUME_BLOCK);
-    const int32_t row = (int32_t)volume_blocks(m->volume->size[0]);
-    const int32_t strides[3] = {1, row, row * (int32_t)volume_blocks(m->volume->size[1])};
-    lane_ints block = {0};
-    lanes away = none;
+    const lanes none = lanes_all(0.0f), one = lanes_all(1.0f);
+    const int32_t row = (int32_t)m->volume->size[0];
+    const int32_t strides[3] = {1, row, row * (int32_t)m->volume->size[1]};
+    lane_ints lowest = {0};
+    lanes across = none;
     for (int axis = 0; axis < 3; axis++) {
-        lanes ends[2] = {
-            lanes_madd(step, lanes_all(around->low_step[axis]), lanes_all(around->low[axis])),
-            lanes_madd(step, lanes_all(around->high_step[axis]), lanes_all(around->high[axis]))};
-        for (int i = 0; i < 2; i++) {
-            ends[i] = lanes_min(lanes_max(ends[i], none), m->low[axis]) * scale;
-        }
-        const lane_ints middle =
-            __builtin_convertvector((ends[0] + ends[1]) * lanes_all(0.5f), lane_ints);
-        const lane_ints low = middle - __builtin_convertvector(ends[0], lane_ints);
-        const lane_ints high = __builtin_convertvector(ends[1], lane_ints) - middle;
-        away = lanes_max(away, lanes_max(__builtin_convertvector(low, lanes),
-                                         __builtin_convertvector(high, lanes)));
-        block += middle * strides[axis];
+        const lanes low =
+            lanes_madd(step, lanes_all(around->low_step[axis]), lanes_all(around->low[axis]));
+        const lanes high =
+            lanes_madd(step, lanes_all(around->high_step[axis]), lanes_all(around->high[axis]));
+        const lane_ints from =
+            __builtin_convertvector(lanes_min(lanes_max(low, none), m->low[axis]), lane_ints);
+        const lane_ints to =
+            __builtin_convertvector(lanes_min(lanes_max(high, none), m->low[axis]), lane_ints);
+        across = lanes_max(across, __builtin_convertvector(to - from, lanes));
+        lowest += from * strides[axis];
     }
-    return ~bits_of(lanes_less(away, gather(m->volume->empty, block)));
+    const lane_ints edges = gather_bytes(m->volume->empty, lowest);
+    return ~bits_of(lanes_less(across + one, __builtin_convertvector(edges, lanes)));
 }
 
 /* Of BITS steps from `first` on; those beyond `steps` are none. */
 static uint64_t steps_to_take(const march *m, const bounds *around, uint32_t first, uint32_t steps)
 {
     const uint64_t none = 0, all = ~none;
-    uint64_t bits = m->volume->empty != NULL ? none : all;
+    const bool looking = m->looking;
+    uint64_t bits = looking ? none : all;
     float numbers[LANES];
     for (int i = 0; i < LANES; i++) {
         numbers[i] = (float)i;
     }
-    for (uint32_t n = 0; n < BITS && m->volume->empty != NULL; n += LANES) {
+    for (uint32_t n = 0; n < BITS && looking; n += LANES) {
         const lanes step = lanes_load(numbers) + lanes_all((float)(first + n));
         bits |= (look_ahead(m, around, step) & ((1ull << LANES) - 1)) << n;
     }

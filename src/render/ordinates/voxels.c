@@ -220,13 +220,13 @@ double ord_voxels_bytes(const air_with_ordinates *with)
     double sum = 0.0;
     for (size_t r = 0; r < media->region_count; r++) {
         const ord_voxels *const v = &with->voxels[r];
-        double numbers = 1.0 / (AIR_VOLUME_BLOCK * AIR_VOLUME_BLOCK * AIR_VOLUME_BLOCK);
+        double bytes = sizeof *v->empty;
         for (int m = 0; m < ORD_MARCHES; m++) {
             const air_medium *const medium = &media->media[media->regions[r].medium];
             const bool wanted = is_wanted(with, medium, (ord_marched)m);
-            numbers += wanted ? (double)stride_of(&v->volume[m]) : 0.0;
+            bytes += wanted ? (double)(stride_of(&v->volume[m]) * sizeof(float)) : 0.0;
         }
-        sum += numbers * (double)voxel_count(v) * sizeof(float);
+        sum += bytes * (double)voxel_count(v);
     }
     return sum;
 }
@@ -328,28 +328,12 @@ static void fill_voxel_light(const filling *f, size_t i, size_t j, size_t k)
     put_light(&volume[ORD_CARRIED], voxel, full.sigma_s, full.sigma_t, &corners, with->carried);
 }
 
-static size_t blocks(size_t voxels) { return (voxels + AIR_VOLUME_BLOCK - 1) / AIR_VOLUME_BLOCK; }
-
-/* Is a voxel a corner of blocks that are all empty? Marches never look there. */
+/* Is a voxel in the middle of a cube of nothing? Marches never look there. */
 static bool is_unseen(const ord_voxels *v, size_t i, size_t j, size_t k)
 {
     const size_t *const size = v->volume[0].size;
-    const size_t at[3] = {i, j, k};
-    size_t low[3], high[3];
-    for (int axis = 0; axis < 3; axis++) {
-        low[axis] = at[axis] > 0 ? (at[axis] - 1) / AIR_VOLUME_BLOCK : 0;
-        high[axis] = at[axis] / AIR_VOLUME_BLOCK;
-    }
-    for (size_t z = low[2]; z <= high[2]; z++) {
-        for (size_t y = low[1]; y <= high[1]; y++) {
-            for (size_t x = low[0]; x <= high[0]; x++) {
-                if (v->empty[(z * blocks(size[1]) + y) * blocks(size[0]) + x] <= 0.0f) {
-                    return false;
-                }
-            }
-        }
-    }
-    return true;
+    const size_t x = i > 0 ? i - 1 : 0, y = j > 0 ? j - 1 : 0, z = k > 0 ? k - 1 : 0;
+    return v->empty[(z * size[1] + y) * size[0] + x] >= 3;
 }
 
 static void fill_light(void *user, size_t k, size_t worker)
@@ -371,7 +355,7 @@ static bool make_arrays(const filling *f)
     air_context *const context = f->with->context;
     ord_voxels *const v = f->voxels;
     bool made = true;
-    v->empty = air_allocate(context, air_volume_block_count(&v->volume[0]), sizeof *v->empty);
+    v->empty = air_allocate(context, voxel_count(v), sizeof *v->empty);
     for (int m = 0; m < ORD_MARCHES; m++) {
         air_volume *const volume = &v->volume[m];
         volume->empty = v->empty;

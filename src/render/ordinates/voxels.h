@@ -17,7 +17,7 @@ enum { ORD_MARCHES = 3 };
  * as the grid. */
 typedef struct ord_voxels {
     air_volume volume[ORD_MARCHES]; /* size and voxel_m of all; voxels NULL: not wanted, owned */
-    float *empty;                   /* of all */
+    uint8_t *empty;                 /* of all */
     float low[3], high[3];          /* the box, world */
     float step_m;                   /* least edge of a voxel */
     float power[3]; /* transmittance by the true extinction is that by the solver's to this, where
