@@ -56,7 +56,8 @@ static void fill_find_sigma(const air_volume *volume, const float *sigma_t, fill
 /* Weights of the corners that sum to 1; trilinear where none of them is like the voxel. */
 static void fill_weigh(float inverse_range, bool bilateral, fill_run *run)
 {
-    const lanes scale = lanes_all(inverse_range * 0.70710678f), one = lanes_all(1.0f);
+    /* the root of log2(e) / 2 */
+    const lanes scale = lanes_all(inverse_range * 0.84932180f), one = lanes_all(1.0f);
     for (size_t n = 0; n < run->count; n += LANES) {
         const lanes share = lanes_load(run->share + n), sigma_t = lanes_load(run->sigma_t + n);
         const lanes rest = one - share;
@@ -68,9 +69,9 @@ static void fill_weigh(float inverse_range, bool bilateral, fill_run *run)
                 fourth[i] = run->rows[c / 2][cell[i] + 3];
             }
             const lanes off = (lanes_load(fourth) - sigma_t) * scale;
-            const lanes depth = lanes_min(off * off, lanes_all(87.0f));
             plain[c] = ((c & 1) != 0 ? share : rest) * lanes_all(run->across[c / 2]);
-            like[c] = plain[c] * march_exp(lanes_all(0.0f) - depth);
+            like[c] =
+                plain[c] * march_exp2(lanes_max(off * (lanes_all(0.0f) - off), lanes_all(-125.0f)));
             total = total + like[c];
         }
         const lane_mask found = lanes_less(lanes_all(bilateral ? 1e-6f : INFINITY), total);

@@ -14,19 +14,18 @@ enum { NUMBERS = 4, WAYS = LANES / NUMBERS /* rays in a group */ };
 /* Less than this of the light is not followed: it could add that much of the largest J. */
 #define LEAST_THROUGH 1e-4f
 
-/* exp(x) for x in [-87, 0]; see core/exponential.h. */
-static inline lanes march_exp(lanes x)
+/* 2^x for x in [-125, 0]: about the nearest integer the polynomial whose greatest relative error is
+ * least, 9e-8. */
+static inline lanes march_exp2(lanes x)
 {
     const lanes magic = lanes_all(0x1.8p23f), one = lanes_all(1.0f);
-    const lanes shifted = lanes_madd(x, lanes_all(1.44269504f), magic), n = shifted - magic;
-    const lanes r =
-        lanes_nmadd(n, lanes_all(-2.12194440e-4f), lanes_nmadd(n, lanes_all(0.693359375f), x));
-    const lanes r2 = r * r;
-    const lanes p23 = lanes_madd(r, lanes_all(1.0f / 6.0f), lanes_all(0.5f));
-    const lanes p45 = lanes_madd(r, lanes_all(1.0f / 120.0f), lanes_all(1.0f / 24.0f));
-    const lanes p = lanes_madd(r2, lanes_madd(r2, p45, p23), r);
-    const lanes power = (lanes)(((lane_ints)shifted << 23) + (lane_ints)one);
-    return lanes_madd(p, power, power);
+    const lanes shifted = x + magic, r = x - (shifted - magic);
+    lanes p = lanes_madd(r, lanes_all(1.32647273e-3f), lanes_all(9.67151299e-3f));
+    p = lanes_madd(p, r, lanes_all(5.55073358e-2f));
+    p = lanes_madd(p, r, lanes_all(2.40222424e-1f));
+    p = lanes_madd(p, r, lanes_all(6.93147004e-1f));
+    p = lanes_madd(p, r, one);
+    return (lanes)(((lane_ints)shifted << 23) + (lane_ints)p);
 }
 
 /* ---- blocks of four numbers ---- */
@@ -185,15 +184,16 @@ static inline lanes unpack_high2(lanes a, lanes b) { return _mm_movehl_ps(b, a);
 
 /* ---- places ---- */
 
-/* Rays under way. */
+/* What all rays have in common, and those under way. */
 typedef struct march {
     const air_volume *volume;
-    lanes start[3], step[3]; /* in voxels, from centres */
-    lanes last[3], low[3];   /* the last voxel, and the last that has one behind it */
-    int32_t stride[3];       /* numbers between neighbours, 0 where there is one voxel */
-    lanes metres;            /* of a step */
-    bool any;                /* has any ray a way to go? */
-    bool looking;            /* ahead, for what is empty: four bytes are read at once */
+    float inverse[3], inverse_steps; /* of a voxel, and of their number */
+    int32_t stride[3];               /* numbers between neighbours, 0 where there is one voxel */
+    bool looking;                    /* ahead, for what is empty: four bytes are read at once */
+    lanes last[3];                   /* as far as there are voxels, the last's centre left out */
+    lanes start[3], step[3];         /* in voxels, from centres */
+    lanes exponent;                  /* -log2(e) times a step's metres */
+    lane_mask goes;                  /* rays that have a way to go */
 } march;
 
 static inline lanes each_ray(const float *values, size_t ray, size_t end)
@@ -219,32 +219,40 @@ static bool can_look(const size_t size[3])
     return last + 4 <= stride;
 }
 
-static march march_make(const air_volume *volume, const air_volume_rays *rays, size_t ray,
-                        size_t end, uint32_t steps)
+static void march_make(const air_volume *volume, uint32_t steps, march *out)
 {
-    march m = {.volume = volume};
+    int32_t stride = (int32_t)volume_stride(volume);
+    out->volume = volume;
+    out->inverse_steps = 1.0f / (float)steps;
+    out->looking = volume->empty != NULL && can_look(volume->size);
+    for (int axis = 0; axis < 3; axis++) {
+        const float last = (float)(int32_t)volume->size[axis] - 1.0f;
+        out->inverse[axis] = 1.0f / volume->voxel_m[axis];
+        out->last[axis] = lanes_all(nextafterf(last, 0.0f));
+        out->stride[axis] = volume->size[axis] > 1 ? stride : 0;
+        stride *= (int32_t)volume->size[axis];
+    }
+}
+
+/* Rays from `ray` on. */
+static inline void march_aim(const air_volume_rays *rays, size_t ray, size_t end, march *out)
+{
     const lanes t0 = each_ray(rays->t0, ray, end), t1 = each_ray(rays->t1, ray, end);
     const lanes none = lanes_all(0.0f);
-    const lanes length = lanes_max(t1 - t0, none) * lanes_all(1.0f / (float)steps);
+    const lanes length = lanes_max(t1 - t0, none) * lanes_all(out->inverse_steps);
     const lanes first = lanes_madd(each_ray(rays->jitter, ray, end), length, t0);
     lanes square = none;
-    int32_t stride = (int32_t)volume_stride(volume);
     for (int axis = 0; axis < 3; axis++) {
         const lanes dir = each_ray(rays->dir[axis], ray, end);
         const lanes origin = each_ray(rays->origin[axis], ray, end);
-        const lanes inverse = lanes_all(1.0f / volume->voxel_m[axis]);
+        const lanes inverse = lanes_all(out->inverse[axis]);
         square = lanes_madd(dir, dir, square);
-        m.start[axis] = lanes_madd(lanes_madd(first, dir, origin), inverse, lanes_all(-0.5f));
-        m.step[axis] = length * dir * inverse;
-        m.last[axis] = lanes_all((float)(int32_t)volume->size[axis] - 1.0f);
-        m.low[axis] = lanes_max(m.last[axis] - lanes_all(1.0f), none);
-        m.stride[axis] = volume->size[axis] > 1 ? stride : 0;
-        stride *= (int32_t)volume->size[axis];
+        out->start[axis] = lanes_madd(lanes_madd(first, dir, origin), inverse, lanes_all(-0.5f));
+        out->step[axis] = length * dir * inverse;
     }
-    m.metres = length * lanes_root(lanes_max(square, lanes_all(1e-30f)));
-    m.any = mask_any(lanes_less(none, length));
-    m.looking = volume->empty != NULL && can_look(volume->size);
-    return m;
+    const lanes log2_e = lanes_all(-1.44269504f);
+    out->exponent = length * lanes_root(lanes_max(square, lanes_all(1e-30f))) * log2_e;
+    out->goes = lanes_less(none, length);
 }
 
 /* Where points lie: the corner below, as a number of the voxels, and the shares of those above. */
@@ -253,16 +261,17 @@ typedef struct corner {
     lanes share[3];
 } corner;
 
-static inline void find_corner(const march *m, lanes at, corner *out)
+static inline void find_corner(const march *m, lanes at, bool coloured, corner *out)
 {
-    lane_ints base = {0};
+    lane_ints low[3];
     for (int axis = 0; axis < 3; axis++) {
         const lanes position = lanes_madd(at, m->step[axis], m->start[axis]);
         const lanes held = lanes_min(lanes_max(position, lanes_all(0.0f)), m->last[axis]);
-        const lane_ints low = __builtin_convertvector(lanes_min(held, m->low[axis]), lane_ints);
-        out->share[axis] = held - __builtin_convertvector(low, lanes);
-        base += low * m->stride[axis];
+        low[axis] = __builtin_convertvector(held, lane_ints);
+        out->share[axis] = held - __builtin_convertvector(low[axis], lanes);
     }
+    const int32_t row = (int32_t)m->volume->size[0], slab = (int32_t)m->volume->size[1];
+    const lane_ints base = ((low[2] * slab + low[1]) * row + low[0]) << (coloured ? 3 : 2);
     memcpy(out->base, &base, sizeof base);
 }
 
@@ -336,7 +345,7 @@ typedef struct carried {
 
 static inline lanes left_of(const march *m, lanes sigma_t)
 {
-    return march_exp(lanes_all(0.0f) - lanes_min(sigma_t * m->metres, lanes_all(87.0f)));
+    return march_exp2(lanes_max(sigma_t * m->exponent, lanes_all(-125.0f)));
 }
 
 /* Steps whose bits are worked through together. */
@@ -352,7 +361,7 @@ typedef struct bounds {
 static bounds find_bounds(const march *m, uint32_t steps)
 {
     const lanes none = lanes_all(0.0f), far = lanes_all(1e9f), count = lanes_all((float)steps);
-    const lane_mask goes = lanes_less(none, m->metres); /* others may be anywhere */
+    const lane_mask goes = m->goes; /* others may be anywhere */
     bounds out;
     for (int axis = 0; axis < 3; axis++) {
         const lanes first = m->start[axis], last = lanes_madd(count, m->step[axis], first);
@@ -382,9 +391,9 @@ static inline uint32_t look_ahead(const march *m, const bounds *around, lanes st
         const lanes high =
             lanes_madd(step, lanes_all(around->high_step[axis]), lanes_all(around->high[axis]));
         const lane_ints from =
-            __builtin_convertvector(lanes_min(lanes_max(low, none), m->low[axis]), lane_ints);
+            __builtin_convertvector(lanes_min(lanes_max(low, none), m->last[axis]), lane_ints);
         const lane_ints to =
-            __builtin_convertvector(lanes_min(lanes_max(high, none), m->low[axis]), lane_ints);
+            __builtin_convertvector(lanes_min(lanes_max(high, none), m->last[axis]), lane_ints);
         across = lanes_max(across, __builtin_convertvector(to - from, lanes));
         lowest += from * strides[axis];
     }
@@ -414,12 +423,12 @@ static inline uint32_t first_of(uint64_t bits) { return (uint32_t)__builtin_ctzl
 /* One step further; false: nothing of the light is left. */
 static inline bool add_grey(const march *m, const lanes voxel[NUMBERS], carried *light)
 {
-    const lanes one = lanes_all(1.0f);
-    const lanes left = left_of(m, voxel[3]), gain = light->through[0] * (one - left);
+    const lanes through = light->through[0] * left_of(m, voxel[3]);
+    const lanes lost = light->through[0] - through;
     for (int i = 0; i < 3; i++) {
-        light->radiance[i] = lanes_madd(gain, voxel[i], light->radiance[i]);
+        light->radiance[i] = lanes_madd(lost, voxel[i], light->radiance[i]);
     }
-    light->through[0] = light->through[0] * left;
+    light->through[0] = through;
     return mask_any(lanes_less(lanes_all(LEAST_THROUGH), light->through[0]));
 }
 
@@ -432,13 +441,13 @@ static inline void march_grey(const march *m, uint32_t steps, bool paired, carri
         uint64_t bits = steps_to_take(m, &around, first, steps);
         corner c[2];
         if (bits != 0) {
-            find_corner(m, lanes_all((float)(first + first_of(bits))), &c[0]);
+            find_corner(m, lanes_all((float)(first + first_of(bits))), false, &c[0]);
         }
         for (int turn = 0; bits != 0 && going; turn ^= 1) {
             lanes voxel[NUMBERS];
             bits &= bits - 1;
             if (bits != 0) { /* ahead: it takes long */
-                find_corner(m, lanes_all((float)(first + first_of(bits))), &c[turn ^ 1]);
+                find_corner(m, lanes_all((float)(first + first_of(bits))), false, &c[turn ^ 1]);
             }
             sample(m, m->volume->voxels, &c[turn], paired, voxel);
             going = add_grey(m, voxel, &light);
@@ -450,14 +459,13 @@ static inline void march_grey(const march *m, uint32_t steps, bool paired, carri
 
 static inline bool add_coloured(const march *m, corner *c, carried *light)
 {
-    const lanes one = lanes_all(1.0f);
     lanes j[NUMBERS], sigma_t[NUMBERS], most = lanes_all(0.0f);
     sample(m, m->volume->voxels, c, false, j);
     sample(m, m->volume->voxels + NUMBERS, c, false, sigma_t);
     for (int i = 0; i < 3; i++) {
-        const lanes left = left_of(m, sigma_t[i]), through = light->through[i];
-        light->radiance[i] = lanes_madd(through * (one - left), j[i], light->radiance[i]);
-        light->through[i] = through * left;
+        const lanes through = light->through[i] * left_of(m, sigma_t[i]);
+        light->radiance[i] = lanes_madd(light->through[i] - through, j[i], light->radiance[i]);
+        light->through[i] = through;
         most = lanes_max(most, light->through[i]);
     }
     return mask_any(lanes_less(lanes_all(LEAST_THROUGH), most));
@@ -471,7 +479,7 @@ static void march_coloured(const march *m, uint32_t steps, carried *light)
         uint64_t bits = steps_to_take(m, &around, first, steps);
         for (; bits != 0 && going; bits &= bits - 1) {
             corner c;
-            find_corner(m, lanes_all((float)(first + first_of(bits))), &c);
+            find_corner(m, lanes_all((float)(first + first_of(bits))), true, &c);
             going = add_coloured(m, &c, light);
         }
     }
@@ -483,7 +491,7 @@ static void march_rays(const march *m, uint32_t steps, carried *out)
         out->radiance[i] = lanes_all(0.0f);
         out->through[i] = lanes_all(1.0f);
     }
-    if (!m->any) {
+    if (!mask_any(m->goes)) {
         return;
     }
     if (m->volume->coloured) {
@@ -495,17 +503,30 @@ static void march_rays(const march *m, uint32_t steps, carried *out)
     }
 }
 
+static inline void store_some(float *out, lanes values, size_t count)
+{
+    if (count == LANES) {
+        lanes_store(out, values);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        out[i] = values[i];
+    }
+}
+
 void VOLUME_MARCH(const air_volume *volume, const air_volume_rays *rays, size_t begin, size_t end,
                   uint32_t steps, float *const out_radiance[3], float *const out_transmittance[3])
 {
+    march m;
+    march_make(volume, steps, &m);
     for (size_t ray = begin; ray < end; ray += LANES) {
-        const march m = march_make(volume, rays, ray, end, steps);
+        march_aim(rays, ray, end, &m);
         const size_t count = end - ray < LANES ? end - ray : LANES;
         carried light;
         march_rays(&m, steps, &light);
         for (int c = 0; c < 3; c++) {
-            memcpy(out_radiance[c] + ray, &light.radiance[c], count * sizeof(float));
-            memcpy(out_transmittance[c] + ray, &light.through[c], count * sizeof(float));
+            store_some(out_radiance[c] + ray, light.radiance[c], count);
+            store_some(out_transmittance[c] + ray, light.through[c], count);
         }
     }
 }
