@@ -72,7 +72,7 @@ typedef struct frame {
     air_volume volume;
     uint8_t *empty;
     frame_ray_tile *tiles[FRAME_THREADS];
-    float *picture, *through;      /* width * height * 3 */
+    float *picture, *through;      /* three planes each */
     double seconds[STAGES], whole; /* of the last frame */
     size_t hits;
 } frame;
@@ -537,14 +537,18 @@ static inline size_t frame_aim(const frame *self, size_t column, size_t row, fra
 static inline size_t frame_show_block(frame *self, const frame_ray_tile *tile, size_t at,
                                       size_t first)
 {
+    const size_t pixels = self->width * self->height;
+    const float *const t0 = tile->numbers[6] + at, *const t1 = tile->numbers[7] + at;
     size_t hits = 0;
-    for (size_t n = 0; n < 16; n++) {
-        const size_t pixel = 3 * (first + n / 4 * self->width + n % 4);
-        for (size_t c = 0; c < 3; c++) {
-            self->picture[pixel + c] = tile->out[c][at + n];
-            self->through[pixel + c] = tile->out[3 + c][at + n];
+    for (size_t c = 0; c < 3; c++) {
+        for (size_t row = 0; row < 4; row++) {
+            const size_t to = c * pixels + first + row * self->width, from = at + 4 * row;
+            memcpy(self->picture + to, tile->out[c] + from, 4 * sizeof(float));
+            memcpy(self->through + to, tile->out[3 + c] + from, 4 * sizeof(float));
         }
-        hits += tile->numbers[7][at + n] > tile->numbers[6][at + n] ? 1 : 0;
+    }
+    for (size_t n = 0; n < 16; n++) {
+        hits += t1[n] > t0[n] ? 1 : 0;
     }
     return hits;
 }
