@@ -94,6 +94,26 @@ static void results_are_the_same_each_time(void **state)
     assert_memory_equal(a, b, sizeof a);
 }
 
+static void results_are_the_same_by_any_number_of_threads(void **state)
+{
+    static medium m;
+    const air_importance_camera camera = camera_of();
+    float one[TEXELS], other[TEXELS];
+    fill_unevenly(*state, &camera, &m);
+    propagate(NULL, &camera, &m, one, NULL);
+    for (size_t threads = 1; threads <= 3; threads++) {
+        air_context *context = NULL;
+        air_context_params params;
+        air_context_params_default(&params);
+        params.cpu = AIR_CPU_C; /* as without a context */
+        params.thread_count = threads;
+        assert_int_equal(air_context_create(&params, &context), AIR_OK);
+        propagate(context, &camera, &m, other, NULL);
+        assert_memory_equal(one, other, sizeof one);
+        air_context_destroy(context);
+    }
+}
+
 /* ---- maps ---- */
 
 static void smoothing_keeps_what_is_even_and_spreads_a_texel(void **state)
@@ -235,6 +255,7 @@ int main(void)
         cmocka_unit_test(sharp_lobes_are_seen_ahead),
         cmocka_unit_test(cells_lie_in_the_pyramid),
         cmocka_unit_test(results_are_the_same_each_time),
+        cmocka_unit_test(results_are_the_same_by_any_number_of_threads),
         cmocka_unit_test(smoothing_keeps_what_is_even_and_spreads_a_texel),
         cmocka_unit_test(blending_keeps_a_share),
         cmocka_unit_test(bad_cameras_are_refused),

@@ -2,7 +2,8 @@
  * a sky map, by what the camera sees of them, and point sources from a reflective shadow map
  * [Elek2014, sections 5 and 6]; deviations: src/ordinates/README.md.
  *
- * Kernels over arrays: no scene, no threads, nothing random: the same input gives the same bytes.
+ * Kernels over arrays: no scene, nothing random: the same input gives the same bytes, also by any
+ * number of the context's threads, which only importance takes.
  *
  * Units: metres, 1/m, sr; radiance W/(m^2 sr), RGB. Lat-long arrays: +Y is up, the centre looks
  * along -Z and +X is at u = 3/4; texel (i, j), row 0 on top, is entry j * width + i. */

@@ -23,9 +23,17 @@ enum {
     WIDTH = AIR_IMPORTANCE_WIDTH,
     HEIGHT = AIR_IMPORTANCE_HEIGHT,
     TEXELS = AIR_IMPORTANCE_TEXELS,
-    COARSE = 2, /* texels along each axis for which light is followed out together */
-    LINE = 64   /* alignment */
+    COARSE = 2,            /* texels along each axis for which light is followed out together */
+    BAND = COARSE * WIDTH, /* texels of rows that are worked at together */
+    LINE = 64              /* alignment */
 };
+
+typedef struct importance_block {
+    double x, y, depth;  /* along right, up, forward */
+    double direction[3]; /* of the ray, likewise */
+    double power[2];     /* scattered for the first time, and again */
+    double lobe[2];      /* mean cosines to the direction, afterwards */
+} importance_block;
 
 typedef struct importance_work {
     float sigma_s[ALL], sigma_a[ALL], g[ALL]; /* optical depths */
@@ -34,7 +42,9 @@ typedef struct importance_work {
     float sigma_t[ALL]; /* 1/m */
     float map[TEXELS];
     float texel[3][TEXELS]; /* directions along right, up, forward */
-    float left[TEXELS];     /* transmittances from a block */
+    air_vec3 middle[TEXELS / (COARSE * COARSE)];
+    float left[TEXELS]; /* transmittances from a block */
+    importance_block blocks[BLOCKS * BLOCKS * BLOCKS];
 } importance_work;
 
 /* ---- the pyramid ---- */
@@ -182,13 +192,6 @@ static void close_books(const importance_work *work, const air_ordinates_books *
 
 /* ---- projection ---- */
 
-typedef struct importance_block {
-    double x, y, depth;  /* along right, up, forward */
-    double direction[3]; /* of the ray, likewise */
-    double power[2];     /* scattered for the first time, and again */
-    double lobe[2];      /* mean cosines to the direction, afterwards */
-} importance_block;
-
 static double hg(double g, double cosine)
 {
     const double s = 1.0 + g * g - 2.0 * g * cosine;
@@ -291,29 +294,35 @@ static void set_texels(const air_importance_camera *camera, importance_work *wor
     }
 }
 
+/* Of COARSE x COARSE texels each. */
+static void set_middles(importance_work *work)
+{
+    for (size_t m = 0; m < TEXELS / (COARSE * COARSE); m++) {
+        const size_t across = WIDTH / COARSE, first = (m / across * WIDTH + m % across) * COARSE;
+        air_vec3 sum = vec3_set1(0.0f);
+        for (size_t n = 0; n < COARSE * COARSE; n++) {
+            const size_t t = first + n / COARSE * WIDTH + n % COARSE;
+            sum = vec3_add(sum, vec3(work->texel[0][t], work->texel[1][t], work->texel[2][t]));
+        }
+        work->middle[m] = vec3_normalize(sum);
+    }
+}
+
 /* In the middle of COARSE x COARSE texels, and for all of them. */
-static void leave(const importance_march *march, const importance_block *block,
+static void leave(const importance_march *march, const importance_block *block, size_t band,
                   importance_work *work)
 {
-    for (size_t row = 0; row < HEIGHT; row += COARSE) {
-        for (size_t column = 0; column < WIDTH; column += COARSE) {
-            air_vec3 middle = vec3_set1(0.0f);
-            for (size_t n = 0; n < COARSE * COARSE; n++) {
-                const size_t t = (row + n / COARSE) * WIDTH + column + n % COARSE;
-                middle =
-                    vec3_add(middle, vec3(work->texel[0][t], work->texel[1][t], work->texel[2][t]));
-            }
-            middle = vec3_normalize(middle);
-            const float left = transmittance(march, block, middle.x, middle.y, middle.z);
-            for (size_t n = 0; n < COARSE * COARSE; n++) {
-                work->left[(row + n / COARSE) * WIDTH + column + n % COARSE] = left;
-            }
+    for (size_t column = 0; column < WIDTH; column += COARSE) {
+        const air_vec3 middle = work->middle[(band * WIDTH + column) / COARSE];
+        const float left = transmittance(march, block, middle.x, middle.y, middle.z);
+        for (size_t n = 0; n < COARSE * COARSE; n++) {
+            work->left[band * BAND + column + n / COARSE * WIDTH + n % COARSE] = left;
         }
     }
 }
 
-/* Two lobes, as hg(), over all texels side by side. */
-static void shine(const importance_block *block, importance_work *work)
+/* Two lobes, as hg(), over a band's texels side by side. */
+static void shine(const importance_block *block, size_t begin, importance_work *work)
 {
     float a[2], b[2], c[2], direction[3];
     for (int n = 0; n < 2; n++) {
@@ -324,7 +333,7 @@ static void shine(const importance_block *block, importance_work *work)
     }
     vec3_store(direction, vec3((float)block->direction[0], (float)block->direction[1],
                                (float)block->direction[2]));
-    for (size_t t = 0; t < TEXELS; t++) {
+    for (size_t t = begin; t < begin + BAND; t++) {
         const float cosine = direction[0] * work->texel[0][t] + direction[1] * work->texel[1][t] +
                              direction[2] * work->texel[2][t];
         const float s = b[0] - c[0] * cosine, r = b[1] - c[1] * cosine;
@@ -347,18 +356,40 @@ static double integral(const float *map)
     return sum;
 }
 
-static void project(const air_importance_camera *camera, importance_work *work, double scattered,
-                    float *out)
+typedef struct importance_projection {
+    importance_march march;
+    importance_work *work;
+} importance_projection;
+
+/* Sums up what comes from all blocks, in their order. */
+static void project_band(void *user, size_t band, size_t worker)
 {
-    const importance_march march = march_of(camera, work);
-    set_texels(camera, work);
+    const importance_projection *const self = user;
+    (void)worker;
     for (size_t n = 0; n < BLOCKS * BLOCKS * BLOCKS; n++) {
-        const importance_block block =
-            block_of(camera, work, n % BLOCKS, n / BLOCKS % BLOCKS, n / BLOCKS / BLOCKS);
-        if (block.power[0] + block.power[1] > 0.0) {
-            leave(&march, &block, work);
-            shine(&block, work);
+        const importance_block *const block = &self->work->blocks[n];
+        if (block->power[0] + block->power[1] > 0.0) {
+            leave(&self->march, block, band, self->work);
+            shine(block, band * BAND, self->work);
         }
+    }
+}
+
+static void project(air_context *context, const air_importance_camera *camera,
+                    importance_work *work, double scattered, float *out)
+{
+    importance_projection self = {march_of(camera, work), work};
+    set_texels(camera, work);
+    set_middles(work);
+    for (size_t n = 0; n < BLOCKS * BLOCKS * BLOCKS; n++) {
+        work->blocks[n] =
+            block_of(camera, work, n % BLOCKS, n / BLOCKS % BLOCKS, n / BLOCKS / BLOCKS);
+    }
+    if (context != NULL) {
+        air_parallel_for(context, TEXELS / BAND, project_band, &self);
+    }
+    for (size_t band = 0; context == NULL && band < TEXELS / BAND; band++) {
+        project_band(&self, band, 0);
     }
     const double sum = integral(work->map), scale = sum > 0.0 ? scattered / sum : 0.0;
     for (size_t t = 0; t < TEXELS; t++) {
@@ -395,7 +426,7 @@ air_status air_importance_propagate(air_context *context, const air_importance_c
         return status;
     }
     close_books(work, &run_books, &books);
-    project(camera, work, books.scattered, out_map);
+    project(context, camera, work, books.scattered, out_map);
     if (out_books != NULL) {
         *out_books = books;
     }
