@@ -28,6 +28,10 @@ static size_t fill(air_rng *rng, int round, air_beam_box *box, float *extinction
     for (size_t i = 0; i < count; i++) {
         extinction[i] = air_rng_float(rng) < 0.2f ? 0.0f : most * air_rng_float(rng);
     }
+    for (size_t i = 0; i < count && round % 5 > 2; i += 4) { /* grey; the fourth is a mean */
+        extinction[i + 1] = extinction[i + 2] = extinction[i];
+        extinction[i + 3] = (extinction[i] + extinction[i + 1] + extinction[i + 2]) * (1.0f / 3.0f);
+    }
     box->extinction = extinction;
     vec3_store(dir, vec3_normalize(vec3_load(dir)));
     return count;
@@ -66,6 +70,32 @@ static void every_instruction_set_does_what_plain_c_does(void **state)
     levels_finish(&all);
 }
 
+/* One cell that is not, wherever it lies. */
+static void grey_boxes_with_a_coloured_cell_are_not_grey(void **state)
+{
+    static float extinction[MOST], plain[MOST], lanes[MOST];
+    levels all = levels_make();
+    const air_beam_box box = {{3, 3, 5}, {0.1f, 0.1f, 0.1f}, extinction};
+    const float dir[3] = {0.0f, 0.6f, 0.8f};
+    void *const scratch = malloc(air_beam_scratch(box.size));
+    (void)state;
+    assert_non_null(scratch);
+    for (size_t odd = 0; odd < 45; odd++) {
+        for (size_t i = 0; i < 180; i++) {
+            extinction[i] = 1.0f + (i == odd * 4 + 1 ? 1e-3f : 0.0f);
+        }
+        air_beam_directional(NULL, &box, dir, scratch, plain);
+        for (int level = 0; level < all.count; level++) {
+            air_beam_directional(all.contexts[level], &box, dir, scratch, lanes);
+            for (size_t i = 0; i < 180; i++) {
+                assert_true(fabsf(lanes[i] - plain[i]) < 1e-6f);
+            }
+        }
+    }
+    free(scratch);
+    levels_finish(&all);
+}
+
 /* Extinctions at which nothing is left, and squares of depths leave floats. */
 static void what_is_opaque_stays_finite(void **state)
 {
@@ -91,6 +121,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_instruction_set_does_what_plain_c_does),
+        cmocka_unit_test(grey_boxes_with_a_coloured_cell_are_not_grey),
         cmocka_unit_test(what_is_opaque_stays_finite),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

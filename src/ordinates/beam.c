@@ -9,6 +9,7 @@ enum { CHANNELS = BEAM_CHANNELS };
 /* Cells of a row of planes: the border and room for whole vectors. */
 static size_t row_of(size_t count) { return (count + BEAM_PAD - 1) / BEAM_PAD * BEAM_PAD + 2; }
 
+/* Planes of single numbers are smaller: 4 a > a + BEAM_ROOM for rows of 6 and more. */
 size_t air_beam_scratch(const size_t size[3])
 {
     size_t most = 0;
@@ -19,7 +20,8 @@ size_t air_beam_scratch(const size_t size[3])
     return BEAM_PLANES * most * CHANNELS * sizeof(float);
 }
 
-beam_sweep beam_sweep_make(const air_beam_box *box, const float dir[3], void *scratch)
+beam_sweep beam_sweep_make(const air_beam_box *box, const float dir[3], size_t numbers,
+                           void *scratch)
 {
     const size_t strides[3] = {1, box->size[0], box->size[0] * box->size[1]};
     float speed[3]; /* in cells */
@@ -29,7 +31,10 @@ beam_sweep beam_sweep_make(const air_beam_box *box, const float dir[3], void *sc
         w = fabsf(speed[axis]) > fabsf(speed[w]) ? axis : w;
     }
     const int axes[3] = {(w + 1) % 3, (w + 2) % 3, w};
-    beam_sweep s = {.box = box, .back = speed[w] < 0.0f, .length = box->cell_m[w] / fabsf(dir[w])};
+    beam_sweep s = {.box = box,
+                    .numbers = numbers,
+                    .back = speed[w] < 0.0f,
+                    .length = box->cell_m[w] / fabsf(dir[w])};
     for (int i = 0; i < 3; i++) {
         s.count[i] = box->size[axes[i]];
         s.stride[i] = strides[axes[i]];
@@ -37,8 +42,9 @@ beam_sweep beam_sweep_make(const air_beam_box *box, const float dir[3], void *sc
     for (int i = 0; i < 2; i++) {
         s.shift[i] = speed[axes[i]] / fabsf(speed[w]);
     }
-    s.row = row_of(s.count[0]);
-    const size_t plane = s.row * (s.count[1] + 2) * CHANNELS;
+    s.row = numbers == 1 ? s.count[0] + 2 : row_of(s.count[0]);
+    const size_t plane =
+        s.row * (s.count[1] + 2) * numbers + (numbers == 1 ? (size_t)BEAM_ROOM : 0);
     float *at = scratch;
     float **const planes[BEAM_PLANES] = {&s.depth, &s.next, &s.through, &s.sigma, &s.sum};
     for (int i = 0; i < BEAM_PLANES; i++, at += plane) {
@@ -52,21 +58,23 @@ beam_sweep beam_sweep_make(const air_beam_box *box, const float dir[3], void *sc
 
 /* Border cells are such that between them and their neighbours, at the box's side, the depth is 0.
  */
-static void extend(float *plane, size_t step, size_t count)
+static void extend(float *plane, size_t numbers, size_t step, size_t count)
 {
     float *const low = plane, *const high = plane + (count + 1) * step;
-    four_store(low, -four_load(low + step));
-    four_store(high, -four_load(high - step));
+    for (size_t n = 0; n < numbers; n++) {
+        low[n] = -low[step + n];
+        high[n] = -(high - step)[n];
+    }
 }
 
 static void extend_plane(const beam_sweep *s, float *plane)
 {
-    const size_t row = s->row * CHANNELS;
+    const size_t row = s->row * s->numbers;
     for (size_t v = 1; v <= s->count[1]; v++) {
-        extend(plane + v * row, CHANNELS, s->count[0]);
+        extend(plane + v * row, s->numbers, s->numbers, s->count[0]);
     }
     for (size_t u = 0; u < s->count[0] + 2; u++) {
-        extend(plane + u * CHANNELS, row, s->count[1]);
+        extend(plane + u * s->numbers, s->numbers, row, s->count[1]);
     }
 }
 
@@ -100,7 +108,10 @@ static inline four interpolate(const float weight[4], const float *at, ptrdiff_t
 /* Cells that the light enters by the side: behind the layer its way began at that side. */
 static void enter(const beam_sweep *s, size_t u, size_t v, float share, const float *sigma)
 {
-    four_store(s->next + beam_place(s, u + 1, v + 1), four_load(sigma) * (share * s->length));
+    float *const next = s->next + beam_place(s, u + 1, v + 1);
+    for (size_t n = 0; n < s->numbers; n++) {
+        next[n] = sigma[n] * (share * s->length);
+    }
 }
 
 /* The rows and columns where it does: those at the near side if characteristics go farther than
@@ -219,7 +230,7 @@ static void average(const beam_sweep *s, size_t w, float *out)
 void beam_directional_plain(const air_beam_box *box, const float dir[3], void *scratch,
                             float *out_fluence)
 {
-    beam_sweep s = beam_sweep_make(box, dir, scratch);
+    beam_sweep s = beam_sweep_make(box, dir, CHANNELS, scratch);
     for (size_t layer = 0; layer < s.count[2]; layer++) {
         const size_t w = s.back ? s.count[2] - 1 - layer : layer;
         carry(&s, w);

@@ -8,15 +8,17 @@
 /* Beyond this nothing is left. */
 #define BEAM_DEPTH_MOST 80.0f
 
-/* BEAM_PAD: rows have room for that many cells at a time. */
-enum { BEAM_CHANNELS = 4, BEAM_PLANES = 5, BEAM_PAD = 4 };
+/* BEAM_PAD: rows have room for that many cells at a time; BEAM_ROOM: numbers behind a plane without
+ * such room. */
+enum { BEAM_CHANNELS = 4, BEAM_PLANES = 5, BEAM_PAD = 4, BEAM_ROOM = 16 };
 
 /* A sweep along the main axis w, across which u and v lie. Planes have a border of one cell:
- * [((v + 1) * row + u + 1) * 4]. */
+ * [((v + 1) * row + u + 1) * numbers]. */
 typedef struct beam_sweep {
     const air_beam_box *box;
     size_t count[3];     /* along u, v, w */
     size_t stride[3];    /* from cell to cell */
+    size_t numbers;      /* of a cell in planes: BEAM_CHANNELS, or 1 where all of them are alike */
     size_t row;          /* cells of a row of planes */
     bool back;           /* travels towards smaller w */
     float shift[2];      /* how far upstream, in cells, the characteristic lies one layer before */
@@ -27,7 +29,8 @@ typedef struct beam_sweep {
                             depths before and behind it together */
 } beam_sweep;
 
-beam_sweep beam_sweep_make(const air_beam_box *box, const float dir[3], void *scratch);
+beam_sweep beam_sweep_make(const air_beam_box *box, const float dir[3], size_t numbers,
+                           void *scratch);
 
 /* Weights of bilinear interpolation at a cell's centre less the shift: of the cell, its neighbours
  * upstream along u and v, and both; and by how much these lie away. */
@@ -43,7 +46,7 @@ void beam_close_sides(const beam_sweep *s, const beam_stencil *up, size_t w);
 
 static inline size_t beam_place(const beam_sweep *s, size_t u, size_t v) /* of cell (u-1, v-1) */
 {
-    return (v * s->row + u) * BEAM_CHANNELS;
+    return (v * s->row + u) * s->numbers;
 }
 
 typedef void beam_directional(const air_beam_box *box, const float dir[3], void *scratch,
