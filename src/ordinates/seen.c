@@ -129,10 +129,25 @@ static void lobe_at(const air_phase_lobe *from, double lobe, double cosine, doub
     *behind += weight * 0.5 * (1.0 - g) * (1.0 + cosine) * 2.0 / (s * (1.0 + g + s));
 }
 
+/* Of Henyey and Greenstein's with g > 0. With x = (1 - g) / s, s^2 = 1 + g^2 - 2 g mu, what lies
+ * below the value at mu is 1 - share where (3 x - x^3) / 2 = (1 + g - 2 g share) / (1 + g), and
+ * sin 3 t = 3 sin t - 4 sin^3 t solves it. */
+static seen_cap cap_of_lobe(double g, double share)
+{
+    const double sine = (1.0 + g - 2.0 * g * share) / (1.0 + g);
+    const double x = 2.0 * sin(asin(double_min(sine, 1.0)) / 3.0), s = (1.0 - g) / x;
+    const double below = (1.0 - g) * (1.0 - g) * (1.0 / (x * x) - 1.0) / (2.0 * g);
+    return (seen_cap){(float)(1.0 - below), (float)((1.0 - g * g) / (4.0 * AIR_PI * s * s * s))};
+}
+
 /* Above its value lies `share` of the phase function, which rises ahead. */
 static seen_cap find_cap(const seen_lobes *phase, double lobe, double share)
 {
     double low = -1.0, high = 1.0, value = 0.0;
+    if (phase->count == 1 && phase->lobes->kind == AIR_PHASE_HG && phase->lobes->weight == 1.0f &&
+        (double)phase->lobes->g * lobe > 1e-3) {
+        return cap_of_lobe((double)phase->lobes->g * lobe, share);
+    }
     for (int i = 0; i < 40 && high - low > 1e-7 * (2.0 - low - high); i++) {
         const double cosine = 0.5 * (low + high);
         double behind = 0.0;
