@@ -50,6 +50,7 @@ typedef struct frame_ray_tile {
 typedef struct frame {
     air_context *context;
     size_t side, cells, count, width, height; /* cells along an axis and all, ordinates, picture */
+    size_t first[2], last[2];                 /* pixels between which the box lies */
     uint32_t sweeps;
     int bands;
     bool cold;
@@ -488,6 +489,30 @@ static inline void frame_clip(float observer, const float *dir, float *t0, float
     }
 }
 
+/* Pixels between which the box lies: of its corners, [first, last). */
+static inline void frame_bound(frame *self)
+{
+    const float unit = 0.72f / (float)self->height;
+    const float size[2] = {(float)self->width, (float)self->height};
+    float low[2] = {1e9f, 1e9f}, high[2] = {-1e9f, -1e9f};
+    for (int corner = 0; corner < 8; corner++) {
+        float to[3];
+        for (int axis = 0; axis < 3; axis++) {
+            to[axis] = (float)(corner >> axis & 1) * frame_side - self->box.observer[axis];
+        }
+        for (int axis = 0; axis < 2; axis++) {
+            const float sign = axis == 0 ? 1.0f : -1.0f; /* rows go down */
+            const float at = 0.5f * (size[axis] - 1.0f) - sign * to[axis] / (to[2] * unit);
+            low[axis] = fminf(low[axis], floorf(at));
+            high[axis] = fmaxf(high[axis], ceilf(at) + 1.0f);
+        }
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        self->first[axis] = (size_t)fmaxf(low[axis], 0.0f);
+        self->last[axis] = (size_t)fminf(fmaxf(high[axis], 0.0f), size[axis]);
+    }
+}
+
 /* Rays of 4 x 4 pixels at entry `at` of a tile; false: none meets the box. */
 static inline bool frame_aim_block(const frame *self, uint32_t column, uint32_t row,
                                    frame_ray_tile *tile, size_t at)
@@ -526,7 +551,9 @@ static inline size_t frame_aim(const frame *self, size_t column, size_t row, fra
     for (uint32_t block = 0; block < ACROSS * ACROSS; block++) {
         const uint32_t x = (uint32_t)column + block % ACROSS * 4;
         const uint32_t y = (uint32_t)row + block / ACROSS * 4;
-        if (x < self->width && y < self->height && frame_aim_block(self, x, y, tile, count * 16)) {
+        const bool in = x < self->last[0] && x + 4 > self->first[0] && y < self->last[1] &&
+                        y + 4 > self->first[1];
+        if (in && frame_aim_block(self, x, y, tile, count * 16)) {
             first[count++] = y * (uint32_t)self->width + x;
         }
     }
@@ -539,7 +566,7 @@ static inline size_t frame_show_block(frame *self, const frame_ray_tile *tile, s
 {
     const size_t pixels = self->width * self->height;
     const float *const t0 = tile->numbers[6] + at, *const t1 = tile->numbers[7] + at;
-    size_t hits = 0;
+    uint32_t hits = 0;
     for (size_t c = 0; c < 3; c++) {
         for (size_t row = 0; row < 4; row++) {
             const size_t to = c * pixels + first + row * self->width, from = at + 4 * row;
@@ -603,6 +630,7 @@ static inline void frame_run(frame *self)
     frame_time(self, STAGE_FILL, &since);
     air_volume_find_empty(&self->volume, self->empty);
     self->hits = 0;
+    frame_bound(self);
     const size_t tiles = ((self->width + FRAME_TILE - 1) / FRAME_TILE) *
                          ((self->height + FRAME_TILE - 1) / FRAME_TILE);
     air_parallel_for(self->context, tiles, frame_march_tile, self);
