@@ -56,5 +56,24 @@ static void probe_angle(const double *x, const double *y, double *out, size_t co
     }
 }
 
+#ifdef LANES_ANGLE_FLOAT
+static void probe_exp2(const double *x, double *out, size_t count)
+{
+    for (size_t i = 0; i < count; i += LANES) {
+        store(out + i, lanes_exp2(load(x + i)));
+    }
+}
+
+static void probe_log2(const double *x, double *out, size_t count)
+{
+    for (size_t i = 0; i < count; i += LANES) {
+        store(out + i, lanes_log2(load(x + i)));
+    }
+}
+
 const lanes_angle_probe LANES_ANGLE_PROBE = {probe_inverse_root, probe_inverse, probe_root,
-                                             probe_angle};
+                                             probe_angle,        probe_exp2,    probe_log2};
+#else
+const lanes_angle_probe LANES_ANGLE_PROBE = {probe_inverse_root, probe_inverse, probe_root,
+                                             probe_angle,        NULL,          NULL};
+#endif

@@ -11,6 +11,9 @@ typedef struct lanes_angle_probe {
     void (*inverse)(const double *x, double *out, size_t count);
     void (*root)(const double *x, double *out, size_t count);
     void (*angle)(const double *x, const double *y, double *out, size_t count); /* of any length */
+    /* Of floats alone; else NULL. */
+    void (*exp2)(const double *x, double *out, size_t count); /* of [-125, 0] */
+    void (*log2)(const double *x, double *out, size_t count);
 } lanes_angle_probe;
 
 /* By level of the x86-64 psABI. */

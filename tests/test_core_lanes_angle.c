@@ -89,6 +89,37 @@ static void errors_are_within_their_bounds(void **state)
     }
 }
 
+/* 9e-8 of the polynomials, and a rounding or two after them. */
+static void powers_and_logarithms_of_floats(void **state)
+{
+    static double x[BLOCK], out[BLOCK];
+    air_rng rng = air_rng_from_keys(29, 2);
+    (void)state;
+    for (air_cpu cpu = AIR_CPU_SSE42; cpu <= air_cpu_detect(); cpu++) {
+        const lanes_angle_probe *const probe = probe_of(cpu, true);
+        double power = 0.0, logarithm = 0.0;
+        for (int block = 0; block < BLOCKS; block++) {
+            const double most = block % 2 == 0 ? 125.0 : 1.0;
+            for (int i = 0; i < BLOCK; i++) {
+                x[i] = (double)(float)(-most * air_rng_next(&rng) * 0x1p-32);
+            }
+            probe->exp2(x, out, BLOCK);
+            for (int i = 0; i < BLOCK; i++) {
+                power = fmax(power, relative(out[i], exp2l(x[i])));
+                x[i] = block % 2 == 0 ? random_size(&rng, 1e-35, 1e35)
+                                      : 1.0 + (double)(float)(x[i] * 0x1p-8);
+            }
+            probe->log2(x, out, BLOCK);
+            for (int i = 0; i < BLOCK; i++) {
+                const double exact = (double)log2l((long double)(float)x[i]);
+                logarithm = fmax(logarithm, fabs(out[i] - exact) / fmax(fabs(exact), 1e-3));
+            }
+        }
+        print_message("level %d: exp2 %.1e, log2 %.1e\n", (int)cpu, power, logarithm);
+        assert_true(power < 2e-7 && logarithm < 3e-7);
+    }
+}
+
 static void ends_of_the_range(void **state)
 {
     (void)state;
@@ -113,6 +144,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_are_within_their_bounds),
+        cmocka_unit_test(powers_and_logarithms_of_floats),
         cmocka_unit_test(ends_of_the_range),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -7,8 +7,6 @@
 
 #include "impulse/response.h"
 
-typedef int32_t lane_ints __attribute__((vector_size(4 * LANES)));
-
 enum { BATCH_TILE = 64 };
 
 /* Indices and shares of a tile's places. */

@@ -196,6 +196,50 @@ static bool find_values(const seen_lobes *phase, const air_seen_beam *beam, floa
     return above;
 }
 
+/* (1 - exp(-d)) / d for d >= 0. */
+static inline lanes once_of(lanes depth)
+{
+    const lanes one = lanes_all(1.0f), few = lanes_all(0.05f);
+    const lanes bend = lanes_nmadd(depth, lanes_all(1.0f / 24.0f), lanes_all(1.0f / 6.0f));
+    const lanes series = lanes_madd(depth * depth, bend, lanes_nmadd(depth, lanes_all(0.5f), one));
+    const lanes power = lanes_max(depth * lanes_all(-1.44269504f), lanes_all(-125.0f));
+    const lanes all = (one - lanes_exp2(power)) * lanes_inverse(lanes_max(depth, few));
+    return lanes_select(lanes_less(depth, few), series, all);
+}
+
+/* Optical depth of the peak's events on the way through cells from n of the run on. */
+static inline lanes peak_depth(const air_seen_peak *peak, const air_seen_beam *beam, const run *at,
+                               size_t n)
+{
+    float through[LANES], out[LANES];
+    for (size_t i = 0; i < LANES; i++) {
+        const size_t cell = at->cell + (n + i < at->count ? n + i : n);
+        through[i] = beam->fluence[cell * CHANNELS + 3];
+        out[i] = peak->depth != NULL ? peak->depth[cell] : 0.0f;
+    }
+    const lanes held =
+        lanes_min(lanes_max(lanes_load(through), lanes_all(1e-30f)), lanes_all(1.0f));
+    const lanes depth = lanes_nmadd(lanes_log2(held), lanes_all(0.693147181f), lanes_load(out));
+    return lanes_max(depth * lanes_all((float)peak->ratio), lanes_all(0.0f));
+}
+
+/* As seen_cap_values. */
+static void cap_values(const air_seen_peak *peak, seen_cap begin, const air_seen_beam *beam,
+                       const run *at, const float cosines[RUN], float values[RUN])
+{
+    const lanes cap = lanes_all(begin.value), edge = lanes_all(begin.cosine);
+    for (size_t n = 0; n < at->count; n += LANES) {
+        const lanes value = lanes_load(values + n);
+        const lane_mask above =
+            mask_and_not(lanes_less(cap, value), lanes_less(lanes_load(cosines + n), edge));
+        if (mask_any(above)) {
+            const lanes once =
+                beam->peakless ? lanes_all(0.0f) : once_of(peak_depth(peak, beam, at, n));
+            lanes_store(values + n, lanes_select(above, lanes_madd(once, value - cap, cap), value));
+        }
+    }
+}
+
 static void add_values(const air_seen_beam *beam, const float value[RUN], const run *at, float *out)
 {
     const float power[4] = {beam->power[0], beam->power[1], beam->power[2], 0.0f};
@@ -241,7 +285,7 @@ static void see_beams(const air_seen_box *box, const air_seen_beam *beams, size_
                         aim_along(beam->dir, &at, dir);
                     }
                     if (find_values(&lobes, beam, dir, &at, cap[b].value, cosine, value)) {
-                        seen_cap_values(peak, cap[b], beam, at.cell, at.count, cosine, value);
+                        cap_values(peak, cap[b], beam, &at, cosine, value);
                     }
                     add_values(beam, value, &at, out);
                 }

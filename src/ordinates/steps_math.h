@@ -6,8 +6,6 @@
 #include "ordinates/shares.h"
 #include "ordinates/steps_pair.h"
 
-typedef int32_t lane_ints __attribute__((vector_size(4 * LANES)));
-
 /* 2^n, n in the low bits of a float near 1.5 2^23. */
 static inline lanes lanes_power_of_2(lanes shifted)
 {

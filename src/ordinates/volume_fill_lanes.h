@@ -107,7 +107,7 @@ static inline lanes fill_sum(const fill_run *run, size_t n, bool alike, float in
         lanes weight = ((c & 1) != 0 ? high : low) * lanes_all(run->across[c / 2]);
         if (alike) {
             const lanes off = (lanes_load((*side)[3] + n) - sigma_t) * scale;
-            weight = weight * march_exp2(lanes_max(off * (none - off), lanes_all(-125.0f)));
+            weight = weight * lanes_exp2(lanes_max(off * (none - off), lanes_all(-125.0f)));
         }
         for (int i = 0; i < 3; i++) {
             out[i] = lanes_madd(weight, lanes_load((*side)[i] + n), out[i]);

@@ -7,26 +7,10 @@
 #include "core/lanes_float.h"
 #include "ordinates/volume.h"
 
-typedef int32_t lane_ints __attribute__((vector_size(4 * LANES)));
-
 enum { NUMBERS = 4, WAYS = LANES / NUMBERS /* rays in a group */ };
 
 /* Less than this of the light is not followed: it could add that much of the largest J. */
 #define LEAST_THROUGH 1e-4f
-
-/* 2^x for x in [-125, 0]: about the nearest integer the polynomial whose greatest relative error is
- * least, 9e-8. */
-static inline lanes march_exp2(lanes x)
-{
-    const lanes magic = lanes_all(0x1.8p23f), one = lanes_all(1.0f);
-    const lanes shifted = x + magic, r = x - (shifted - magic);
-    lanes p = lanes_madd(r, lanes_all(1.32647273e-3f), lanes_all(9.67151299e-3f));
-    p = lanes_madd(p, r, lanes_all(5.55073358e-2f));
-    p = lanes_madd(p, r, lanes_all(2.40222424e-1f));
-    p = lanes_madd(p, r, lanes_all(6.93147004e-1f));
-    p = lanes_madd(p, r, one);
-    return (lanes)(((lane_ints)shifted << 23) + (lane_ints)p);
-}
 
 /* ---- blocks of four numbers ---- */
 
@@ -345,7 +329,7 @@ typedef struct carried {
 
 static inline lanes left_of(const march *m, lanes sigma_t)
 {
-    return march_exp2(lanes_max(sigma_t * m->exponent, lanes_all(-125.0f)));
+    return lanes_exp2(lanes_max(sigma_t * m->exponent, lanes_all(-125.0f)));
 }
 
 /* Steps whose bits are worked through together. */
