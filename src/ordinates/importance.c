@@ -12,6 +12,7 @@
 #include "core/host.h"
 #include "core/triple.h"
 #include "core/vec.h"
+#include "ordinates/four.h"
 
 enum {
     SIDE = AIR_IMPORTANCE_CELLS,
@@ -41,9 +42,9 @@ typedef struct importance_work {
     float fluence[ALL], beam[ALL], seen[ALL];
     float sigma_t[ALL]; /* 1/m */
     float map[TEXELS];
-    float texel[3][TEXELS]; /* directions along right, up, forward */
-    air_vec3 middle[TEXELS / (COARSE * COARSE)];
-    float left[TEXELS]; /* transmittances from a block */
+    float texel[3][TEXELS];                      /* directions along right, up, forward */
+    float middle[3][TEXELS / (COARSE * COARSE)]; /* of COARSE x COARSE texels, likewise */
+    float left[TEXELS];                          /* transmittances from a block */
     importance_block blocks[BLOCKS * BLOCKS * BLOCKS];
 } importance_work;
 
@@ -258,24 +259,35 @@ static importance_march march_of(const air_importance_camera *camera, const impo
         .step = (float)double_max(slice_depth(camera), side / MARCH)};
 }
 
-/* From the block on along (x, y, z) to where the pyramid ends. */
-static float transmittance(const importance_march *march, const importance_block *from, float x,
-                           float y, float z)
+/* Transmittances from the block on along four directions to where the pyramid ends. */
+static four transmittances(const importance_march *march, const importance_block *from, four x,
+                           four y, four z)
 {
-    float depth = 0.0f;
-    for (int n = 0; n < MARCH && depth * march->step < 30.0f; n++) {
+    const four none = four_all(0.0f), side = four_all((float)SIDE), middle = four_all(0.5f * SIDE);
+    four depth = none;
+    four_ints under_way = {-1, -1, -1, -1};
+    for (int n = 0; n < MARCH; n++) {
         const float s = ((float)n + 0.5f) * march->step;
-        const float forward = (float)from->depth + s * z;
-        const float k = (forward - march->near) * march->slices, scale = 1.0f / forward;
-        const float i = ((float)from->x + s * x) * scale * march->across[0] + 0.5f * SIDE;
-        const float j = ((float)from->y + s * y) * scale * march->across[1] + 0.5f * SIDE;
-        if (!(forward > 0.0f && k >= 0.0f && k < SIDE && i >= 0.0f && i < SIDE && j >= 0.0f &&
-              j < SIDE)) {
+        const four forward = (float)from->depth + s * z, scale = 1.0f / forward;
+        const four k = (forward - march->near) * march->slices;
+        const four i = ((float)from->x + s * x) * scale * march->across[0] + middle;
+        const four j = ((float)from->y + s * y) * scale * march->across[1] + middle;
+        under_way &= (forward > none) & (k >= none) & (k < side) & (i >= none) & (i < side) &
+                     (j >= none) & (j < side) & (depth * march->step < 30.0f);
+        if (!(under_way[0] | under_way[1] | under_way[2] | under_way[3])) {
             break;
         }
-        depth += march->sigma_t[((size_t)k * SIDE + (size_t)j) * SIDE + (size_t)i];
+        const four_ints row = __builtin_convertvector(four_select(under_way, j, none), four_ints);
+        const four_ints slice = __builtin_convertvector(four_select(under_way, k, none), four_ints);
+        const four_ints column =
+            __builtin_convertvector(four_select(under_way, i, none), four_ints);
+        const four_ints at = (slice * SIDE + row) * SIDE + column;
+        const float *const sigma_t = march->sigma_t;
+        const four found = {sigma_t[at[0]], sigma_t[at[1]], sigma_t[at[2]], sigma_t[at[3]]};
+        depth += four_select(under_way, found, none);
     }
-    return expf(-depth * march->step);
+    const four power = -depth * march->step;
+    return (four){expf(power[0]), expf(power[1]), expf(power[2]), expf(power[3])};
 }
 
 static void set_texels(const air_importance_camera *camera, importance_work *work)
@@ -294,29 +306,36 @@ static void set_texels(const air_importance_camera *camera, importance_work *wor
     }
 }
 
-/* Of COARSE x COARSE texels each. */
 static void set_middles(importance_work *work)
 {
     for (size_t m = 0; m < TEXELS / (COARSE * COARSE); m++) {
         const size_t across = WIDTH / COARSE, first = (m / across * WIDTH + m % across) * COARSE;
+        float middle[3];
         air_vec3 sum = vec3_set1(0.0f);
         for (size_t n = 0; n < COARSE * COARSE; n++) {
             const size_t t = first + n / COARSE * WIDTH + n % COARSE;
             sum = vec3_add(sum, vec3(work->texel[0][t], work->texel[1][t], work->texel[2][t]));
         }
-        work->middle[m] = vec3_normalize(sum);
+        vec3_store(middle, vec3_normalize(sum));
+        for (int axis = 0; axis < 3; axis++) {
+            work->middle[axis][m] = middle[axis];
+        }
     }
 }
 
-/* In the middle of COARSE x COARSE texels, and for all of them. */
+/* In the middle of COARSE x COARSE texels, and for all of them; four of such at a time. */
 static void leave(const importance_march *march, const importance_block *block, size_t band,
                   importance_work *work)
 {
-    for (size_t column = 0; column < WIDTH; column += COARSE) {
-        const air_vec3 middle = work->middle[(band * WIDTH + column) / COARSE];
-        const float left = transmittance(march, block, middle.x, middle.y, middle.z);
-        for (size_t n = 0; n < COARSE * COARSE; n++) {
-            work->left[band * BAND + column + n / COARSE * WIDTH + n % COARSE] = left;
+    for (size_t column = 0; column < WIDTH / COARSE; column += 4) {
+        const size_t m = band * (WIDTH / COARSE) + column;
+        const four left =
+            transmittances(march, block, four_load(work->middle[0] + m),
+                           four_load(work->middle[1] + m), four_load(work->middle[2] + m));
+        for (size_t n = 0; n < 4 * COARSE * COARSE; n++) {
+            const size_t row = n / (4 * COARSE), across = n % (4 * COARSE);
+            work->left[band * BAND + row * WIDTH + column * COARSE + across] =
+                left[across / COARSE];
         }
     }
 }
