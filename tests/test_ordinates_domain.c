@@ -216,9 +216,10 @@ static void media_thinner_than_two_cells_are_told(void **state)
 
 /* ---- grids ---- */
 
-/* A medium whose grid fills the unit cube; density is 0 outside voxels [low, high). */
-static air_snapshot *commit_grid(air_context *context, const int low[3], const int high[3],
-                                 float density, bool linear)
+/* A medium whose grid fills the unit cube, moved by so many voxels along x; density is 0 outside
+ * voxels [low, high). */
+static air_snapshot *commit_moved(air_context *context, const int low[3], const int high[3],
+                                  float density, bool linear, float voxels)
 {
     float *const values = calloc(SIDE * SIDE * SIDE, sizeof *values);
     air_grid_desc grid = {"smoke", {SIDE, SIDE, SIDE}, 1, values, {0}};
@@ -240,7 +241,7 @@ static air_snapshot *commit_grid(air_context *context, const int low[3], const i
     }
     for (int k = 0; k < 3; k++) {
         grid.index_to_local[5 * k] = step;
-        grid.index_to_local[4 * k + 3] = 0.5f * step;
+        grid.index_to_local[4 * k + 3] = (k == 0 ? 0.5f + voxels : 0.5f) * step;
     }
     air_medium_desc_default(&medium);
     medium.name = "smoke";
@@ -254,6 +255,12 @@ static air_snapshot *commit_grid(air_context *context, const int low[3], const i
     air_scene_destroy(scene);
     free(values);
     return snapshot;
+}
+
+static air_snapshot *commit_grid(air_context *context, const int low[3], const int high[3],
+                                 float density, bool linear)
+{
+    return commit_moved(context, low, high, density, linear, 0.0f);
 }
 
 static const int whole_low[3] = {0, 0, 0}, whole_high[3] = {SIDE, SIDE, SIDE};
@@ -334,6 +341,37 @@ static void the_box_rests_while_smoke_moves_within_its_lattice(void **state)
     air_context_destroy(context);
 }
 
+/* How far the lattice of smoke in voxels [8, 20) goes with smoke in [from, from + 12) of a grid
+ * that was moved, in voxels. */
+static double voxels_followed(air_context *context, int from, float moved)
+{
+    const int low[3] = {8, 8, 8}, high[3] = {20, 20, 20};
+    const int later_low[3] = {from, 8, 8}, later_high[3] = {from + 12, 20, 20};
+    ord_domain first, later;
+    air_snapshot *const a = commit_grid(context, low, high, 1.0f, false);
+    air_snapshot *const b = commit_moved(context, later_low, later_high, 1.0f, false, moved);
+    assert_int_equal(ord_domain_place(a, 10, NULL, &first), AIR_OK);
+    assert_int_equal(ord_domain_place(b, 10, &first.lattice, &later), AIR_OK);
+    assert_true(later.goes_on && later.cell_m == first.cell_m);
+    air_snapshot_release(a);
+    air_snapshot_release(b);
+    return (double)(later.lattice.base[0] - first.lattice.base[0]) * SIDE;
+}
+
+/* Smoke drifts by a voxel: in a grid that rests, in one that is cut anew and has it in the same
+ * voxels, in both ways at once. A grid that moves takes the cells along, by any part of a voxel. */
+static void the_lattice_rests_while_smoke_drifts_and_follows_grids_that_move(void **state)
+{
+    (void)state;
+    air_context *context = make_context(1, NULL);
+    assert_near(voxels_followed(context, 9, 0.0f), 0.0, 1e-4);
+    assert_near(voxels_followed(context, 8, 1.0f), 0.0, 1e-4);
+    assert_near(voxels_followed(context, 7, 2.0f), 0.0, 1e-4);
+    assert_near(voxels_followed(context, 8, 0.4f), 0.4, 1e-4);
+    assert_near(voxels_followed(context, 8, -1.3f), -1.3, 1e-4);
+    air_context_destroy(context);
+}
+
 static void empty_grids_have_their_box_and_nothing_in_it(void **state)
 {
     (void)state;
@@ -386,6 +424,7 @@ int main(void)
         cmocka_unit_test(cells_of_a_grid_hold_its_mean),
         cmocka_unit_test(the_box_leaves_empty_margins_out),
         cmocka_unit_test(the_box_rests_while_smoke_moves_within_its_lattice),
+        cmocka_unit_test(the_lattice_rests_while_smoke_drifts_and_follows_grids_that_move),
         cmocka_unit_test(empty_grids_have_their_box_and_nothing_in_it),
         cmocka_unit_test(allocation_failures_leave_nothing_behind),
     };

@@ -105,6 +105,9 @@ static bool find_bounds(const air_media *media, bool dense, bounds *out)
 /* Borders of media that are within so much of a cell's border are on it. */
 #define ON_BORDER 1e-3f
 
+/* Rounding of coordinates: of bounds a thousand voxels from the origin, ten times over. */
+#define WHOLE_VOXEL 1e-3f
+
 /* A box of its own: `cells` along the longest side, in the middle of the cells of the others. */
 static void place_anew(ord_domain *domain, uint32_t cells, const bounds *box, float longest)
 {
@@ -132,26 +135,48 @@ static bool lattice_serves(const ord_lattice *lattice, uint32_t cells, float lon
     return share >= lattice_least && share <= lattice_most;
 }
 
-/* Moves the lattice along with bounds of unchanged size. */
-static void follow(ord_lattice *lattice, const bounds *box)
+/* By whole voxels of a grid? Grids are cut to what they hold: their bounds may move so while what
+ * they hold stays. */
+static bool cut_elsewhere(const air_media *media, const float moved[3])
+{
+    bool whole = false;
+    for (size_t i = 0; i < media->count && !whole; i++) {
+        if (media->media[i].kind == AIR_DENSITY_GRID) {
+            const float *const to_voxels = media->media[i].world_to_grid;
+            const air_vec3 v = affine_vector(to_voxels, vec3_load(moved));
+            whole = fabsf(v.x - roundf(v.x)) <= WHOLE_VOXEL &&
+                    fabsf(v.y - roundf(v.y)) <= WHOLE_VOXEL &&
+                    fabsf(v.z - roundf(v.z)) <= WHOLE_VOXEL;
+        }
+    }
+    return whole;
+}
+
+/* Moves the lattice along with media: with their bounds, if these keep their size. Bounds of what
+ * is in grids do not tell, for they are rounded. */
+static void follow(ord_lattice *lattice, const air_media *media, const bounds *whole)
 {
     bool same = true;
+    float moved[3];
     for (int axis = 0; axis < 3; axis++) {
         const float before = lattice->high[axis] - lattice->low[axis];
-        const float change = fabsf(box->high[axis] - box->low[axis] - before);
+        const float change = fabsf(whole->high[axis] - whole->low[axis] - before);
         same = same && change <= ON_BORDER * lattice->cell_m;
+        moved[axis] = whole->low[axis] - lattice->low[axis];
     }
+    same = same && !cut_elsewhere(media, moved);
     for (int axis = 0; axis < 3 && same; axis++) {
-        lattice->base[axis] += box->low[axis] - lattice->low[axis];
+        lattice->base[axis] += moved[axis];
     }
 }
 
-static void place_on(ord_domain *domain, const ord_lattice *lattice, const bounds *box)
+static void place_on(ord_domain *domain, const ord_lattice *lattice, const bounds *box,
+                     const bounds *whole)
 {
     domain->lattice = *lattice;
     domain->cell_m = lattice->cell_m;
     domain->goes_on = true;
-    follow(&domain->lattice, box);
+    follow(&domain->lattice, domain->media, whole);
     for (int axis = 0; axis < 3; axis++) {
         const float base = domain->lattice.base[axis];
         const float begin = floorf((box->low[axis] - base) / domain->cell_m + ON_BORDER);
@@ -163,10 +188,14 @@ static void place_on(ord_domain *domain, const ord_lattice *lattice, const bound
 
 static air_status place(ord_domain *domain, uint32_t cells, const ord_lattice *lattice)
 {
-    bounds box = {{0.0f}, {0.0f}};
+    bounds box = {{0.0f}, {0.0f}}, whole = {{0.0f}, {0.0f}};
     float longest = 0.0f;
+    const bool any = find_bounds(domain->media, false, &whole);
     /* Grids that are all empty have their box, too: a sequence may begin so. */
-    if (!find_bounds(domain->media, true, &box) && !find_bounds(domain->media, false, &box)) {
+    if (!find_bounds(domain->media, true, &box)) {
+        box = whole;
+    }
+    if (!any) {
         return air_fail(domain->context, AIR_ERROR_ARGUMENT, "ordinates: no medium scatters light");
     }
     for (int axis = 0; axis < 3; axis++) {
@@ -178,12 +207,12 @@ static air_status place(ord_domain *domain, uint32_t cells, const ord_lattice *l
                         (double)longest);
     }
     if (lattice_serves(lattice, cells, longest)) {
-        place_on(domain, lattice, &box);
+        place_on(domain, lattice, &box, &whole);
     } else {
         place_anew(domain, cells, &box, longest);
     }
-    memcpy(domain->lattice.low, box.low, sizeof box.low);
-    memcpy(domain->lattice.high, box.high, sizeof box.high);
+    memcpy(domain->lattice.low, whole.low, sizeof whole.low);
+    memcpy(domain->lattice.high, whole.high, sizeof whole.high);
     domain->cells = domain->size[0] * domain->size[1] * domain->size[2];
     return AIR_OK;
 }

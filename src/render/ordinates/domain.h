@@ -4,8 +4,8 @@
 
 #include "scene/snapshot.h"
 
-/* Where the cells of a box of `cells` along its longest side lie in the world, and the bounds that
- * it was made for. cells 0: none. */
+/* Where the cells of a box of `cells` along its longest side lie in the world, and the bounds of
+ * all media, empty parts of grids included. cells 0: none. */
 typedef struct ord_lattice {
     float base[3], cell_m; /* a corner of a cell */
     uint32_t cells;
@@ -28,8 +28,8 @@ typedef struct ord_domain {
  * longest side, without coefficients: nothing to finish. Or on the lattice of the picture before,
  * if it is one of so many cells and the box has a number near to it: media whose bounds grow and
  * shrink do not take the cells along with them. Bounds that moved as a whole do: then it is the
- * medium that moves. lattice NULL: none. AIR_ERROR_ARGUMENT: there are no media, or they have no
- * size. */
+ * medium that moves. Not by whole voxels of a grid: then it was cut elsewhere. lattice NULL: none.
+ * AIR_ERROR_ARGUMENT: there are no media, or they have no size. */
 air_status ord_domain_place(const air_snapshot *snapshot, uint32_t cells,
                             const ord_lattice *lattice, ord_domain *out);
 
