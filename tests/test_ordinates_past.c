@@ -9,7 +9,7 @@
 #include "cmocka_test.h"
 #include "core/host.h"
 
-enum { BANDS = 2, NUMBERS = BANDS * BANDS * AIR_DOM_STRIDE };
+enum { BANDS = 2, NUMBERS = BANDS * BANDS * AIR_DOM_STRIDE, KEY = 5 };
 
 static const air_dom_params dom_params = {.bands = BANDS, .delta_m = true};
 static const double ones[3] = {1.0, 1.0, 1.0};
@@ -56,7 +56,7 @@ static void keep_linear(air_context *context, const ord_domain *domain, ord_past
     for (size_t i = 0; i < domain->cells * NUMBERS; i++) {
         moments[i] = linear(domain, i / NUMBERS, i % NUMBERS, domain);
     }
-    ord_past_keep_light(out, domain, &dom_params, ones, moments);
+    ord_past_keep_light(out, domain, &dom_params, ones, KEY, moments);
 }
 
 /* Trilinear is exact for what is linear; beyond the outermost centres their light holds. */
@@ -131,6 +131,28 @@ static void light_that_does_not_fit_is_not_used(void **state)
     assert_false(ord_past_light_at(&past, &old, &other, ones, moments));
     assert_false(ord_past_light_at(&past, &old, &dom_params, dark, moments));
     assert_true(past.history == 0);
+    ord_past_finish(&past);
+    air_context_destroy(context);
+}
+
+static void a_solution_is_that_of_the_same_problem(void **state)
+{
+    air_context *const context = make_context();
+    const ord_domain old = make_domain(0.0f, 0.0f, 0.0f, 0.25f, 3);
+    float moments[3 * 4 * 5 * NUMBERS];
+    ord_past past;
+    (void)state;
+    ord_past_init(context, &past);
+    assert_false(ord_past_solution(&past, 0, moments));
+    ord_past_finish(&past);
+    keep_linear(context, &old, &past);
+    assert_false(ord_past_solution(&past, KEY + 1, moments));
+    assert_true(past.history == 0);
+    assert_true(ord_past_solution(&past, KEY, moments));
+    assert_true(past.history != 0);
+    for (size_t i = 0; i < old.cells * NUMBERS; i++) {
+        assert_true(moments[i] == linear(&old, i / NUMBERS, i % NUMBERS, &old));
+    }
     ord_past_finish(&past);
     air_context_destroy(context);
 }
@@ -231,6 +253,7 @@ int main(void)
         cmocka_unit_test(light_is_resampled_between_boxes),
         cmocka_unit_test(light_goes_along_with_the_lattice),
         cmocka_unit_test(light_that_does_not_fit_is_not_used),
+        cmocka_unit_test(a_solution_is_that_of_the_same_problem),
         cmocka_unit_test(skies_are_found_by_their_values),
         cmocka_unit_test(importance_is_mixed_with_that_of_the_last_whole_picture),
     };

@@ -250,7 +250,7 @@ static void changes_are_followed_in_fewer_sweeps(void **state)
 {
     listener heard;
     air_context *const context = listening_context(2, &heard);
-    change changes[] = {{"none", still_fog, 20},    {"camera", still_fog, 20},
+    change changes[] = {{"none", still_fog, 0},     {"camera", still_fog, 0},
                         {"density", still_fog, 50}, {"all lights", still_fog, 20},
                         {"moved", still_fog, 20},   {"smaller", still_fog, 70},
                         {"jumped", still_fog, 20}};
@@ -274,7 +274,8 @@ static void changes_are_followed_in_fewer_sweeps(void **state)
         assert_false(heard.warm);
         print_message("%s: %u sweeps, %u from nothing; difference %.2g\n", changes[i].name, sweeps,
                       heard.sweeps, difference(warm, cold));
-        assert_true(100 * sweeps <= changes[i].most * heard.sweeps + 99);
+        assert_true(100 * sweeps <=
+                    changes[i].most * heard.sweeps + (changes[i].most > 0 ? 99 : 0));
         air_image_destroy(warm);
         air_image_destroy(cold);
         air_render_state_destroy(kept);
@@ -283,6 +284,40 @@ static void changes_are_followed_in_fewer_sweeps(void **state)
 }
 
 /* ---- steadiness ---- */
+
+/* Light that was followed ends a little off; while nothing but the camera moves it stays so. Where
+ * more is asked for, or lights differ by one part in 10^5, sweeps go on. */
+static void light_of_a_still_medium_stays_to_the_bit(void **state)
+{
+    listener heard;
+    air_context *const context = listening_context(2, &heard);
+    air_render_state *kept;
+    moving_fog fog = drifting(1);
+    (void)state;
+    assert_int_equal(air_render_state_create(context, &kept), AIR_OK);
+    air_render_params params = small_picture(kept);
+    air_film_destroy(film_of(context, &still_fog, &params));
+    air_image *const first = image_of(context, &fog, &params);
+    assert_true(heard.sweeps > 1);
+    const float eye = fog.eye;
+    fog.eye = 0.3f;
+    air_film_destroy(film_of(context, &fog, &params));
+    assert_int_equal(heard.sweeps, 0);
+    fog.eye = eye;
+    air_image *const again = image_of(context, &fog, &params);
+    assert_int_equal(heard.sweeps, 0);
+    assert_true(difference(again, first) == 0.0);
+    params.ordinates.change *= 0.5;
+    air_film_destroy(film_of(context, &fog, &params));
+    assert_true(heard.sweeps > 0);
+    fog.sun *= 1.00001f;
+    air_film_destroy(film_of(context, &fog, &params));
+    assert_true(heard.sweeps > 0);
+    air_image_destroy(first);
+    air_image_destroy(again);
+    air_render_state_destroy(kept);
+    air_context_destroy(context);
+}
 
 /* Fog that thickens by 4 % a frame, over all depths of cells at which the sky goes over from beams
  * to light by the box's faces, which differ by more than a tenth: 5 % of difference from frame to
@@ -521,6 +556,7 @@ int main(void)
         cmocka_unit_test(counted_events_begin_from_nothing),
         cmocka_unit_test(films_merge_only_with_those_of_the_same_past),
         cmocka_unit_test(changes_are_followed_in_fewer_sweeps),
+        cmocka_unit_test(light_of_a_still_medium_stays_to_the_bit),
         cmocka_unit_test(the_sky_goes_over_to_the_faces_without_a_jump),
         cmocka_unit_test(cells_stay_where_they_are_while_media_move),
         cmocka_unit_test(cells_go_along_with_bounds_that_move_as_a_whole),

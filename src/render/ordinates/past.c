@@ -170,12 +170,26 @@ bool ord_past_light_at(ord_past *past, const ord_domain *domain, const air_dom_p
     return true;
 }
 
+bool ord_past_solution(ord_past *past, uint64_t key, float *moments)
+{
+    const ord_past_light *const light = &past->light;
+    if (light->moments == NULL || light->key != key) {
+        return false;
+    }
+    const size_t cells = light->size[0] * light->size[1] * light->size[2];
+    const size_t count = cells * (size_t)(light->bands * light->bands) * CHANNELS;
+    memcpy(moments, light->moments, count * sizeof *moments);
+    add_history(past, moments, count * sizeof *moments);
+    return true;
+}
+
 void ord_past_keep_light(ord_past *past, const ord_domain *domain, const air_dom_params *dom,
-                         const double first[3], float *moments)
+                         const double first[3], uint64_t key, float *moments)
 {
     ord_past_light *const light = &past->light;
     air_free(past->context, light->moments);
     light->moments = moments;
+    light->key = key;
     light->cell_m = domain->cell_m;
     light->bands = dom->bands;
     light->delta_m = dom->delta_m;

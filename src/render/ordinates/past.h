@@ -23,6 +23,7 @@ typedef struct ord_past_light {
     int bands;
     bool delta_m;
     double first[3]; /* see ord_past_light_at */
+    uint64_t key;    /* of what it solves */
     float *moments;  /* NULL: none */
 } ord_past_light;
 
@@ -65,9 +66,14 @@ const ord_lattice *ord_past_lattice(const ord_past *past);
 bool ord_past_light_at(ord_past *past, const ord_domain *domain, const air_dom_params *dom,
                        const double first[3], float *moments);
 
-/* Takes the moments (air_free'd later), which the caller has made with the context. */
+/* Fills moments with the light that solves what has the key, as it was kept, if that is what was
+ * kept, else false. */
+bool ord_past_solution(ord_past *past, uint64_t key, float *moments);
+
+/* Takes the moments (air_free'd later), which the caller has made with the context. key: differs
+ * where the problem does, the place of its cells included. */
 void ord_past_keep_light(ord_past *past, const ord_domain *domain, const air_dom_params *dom,
-                         const double first[3], float *moments);
+                         const double first[3], uint64_t key, float *moments);
 
 /* ---- importance ---- */
 

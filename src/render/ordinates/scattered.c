@@ -5,6 +5,7 @@
 #include "render/ordinates/glow.h"
 #include "render/ordinates/patches.h"
 #include "render/ordinates/solving.h"
+#include "scene/fingerprint.h"
 
 static void show_slab(void *user, size_t k, size_t worker)
 {
@@ -54,23 +55,41 @@ static void first_scattered(const ord_solving *self, double out[3])
     }
 }
 
-/* Lets the solver begin from the light of the picture before, for which there is room. What comes
- * through unscattered is known anew. */
-static air_status begin_warm(const ord_solving *self, const double first[3], float *room,
-                             air_dom *dom, const char **out_begin)
+/* Lets the solver begin from scattered light of the picture before. What comes through unscattered
+ * is known anew. */
+static air_status begin_from(const ord_solving *self, float *light, air_dom *dom)
 {
     const size_t numbers = (size_t)(self->dom.bands * self->dom.bands) * ORD_CHANNELS;
-    if (!ord_past_light_at(self->with->past, self->domain, &self->dom, first, room)) {
-        return AIR_OK;
-    }
-    *out_begin = ", begun from the picture before";
     for (size_t i = 0; i < self->domain->cells * numbers; i++) {
-        room[i] += self->through != NULL ? self->through[i] : 0.0f;
+        light[i] += self->through != NULL ? self->through[i] : 0.0f;
         if (i % numbers < 3) { /* differences of nearly the same may be less than 0 */
-            room[i] = float_max(room[i], 0.0f);
+            light[i] = float_max(light[i], 0.0f);
         }
     }
-    return air_dom_set_moments(dom, room);
+    return air_dom_set_moments(dom, light);
+}
+
+/* Of all that the solver is given. */
+static uint64_t problem_key(const ord_solving *self, const air_dom_solve_params *params)
+{
+    const ord_domain *const d = self->domain;
+    const uint32_t numbers[] = {(uint32_t)self->dom.bands,         (uint32_t)self->dom.polar,
+                                (uint32_t)self->dom.azimuths,      (uint32_t)self->dom.delta_m,
+                                (uint32_t)(self->phase.g != NULL), params->sweeps};
+    const size_t plane = 3 * d->cells * sizeof(float);
+    const size_t moments = d->cells * (size_t)(self->dom.bands * self->dom.bands) * ORD_CHANNELS;
+    uint64_t key = air_fingerprint_add(0, numbers, sizeof numbers);
+    key = air_fingerprint_add(key, &params->change, sizeof params->change);
+    key = air_fingerprint_add(key, self->phase.legendre, sizeof self->phase.legendre);
+    key = air_fingerprint_add(key, d->origin, sizeof d->origin);
+    key = air_fingerprint_add(key, d->size, sizeof d->size);
+    key = air_fingerprint_add(key, &d->cell_m, sizeof d->cell_m);
+    key = air_fingerprint_add(key, d->sigma_s, plane);
+    key = air_fingerprint_add(key, d->sigma_a, plane);
+    key = air_fingerprint_add(key, d->g, plane);
+    key = air_fingerprint_add(key, self->moments, moments * sizeof(float));
+    return self->through != NULL ? air_fingerprint_add(key, self->through, moments * sizeof(float))
+                                 : key;
 }
 
 /* begin: words on what it begins from. */
@@ -87,29 +106,47 @@ static air_status solve(const ord_solving *self, const air_dom_solve_params *par
     return status;
 }
 
-/* Begins where the picture before ended, and keeps the light for the next one. */
+/* Solves what the picture before did not, from where it ended, into light. */
+static air_status solve_next(ord_solving *self, const air_dom_solve_params *params, air_dom *dom,
+                             uint64_t key, float *light)
+{
+    double first[3];
+    first_scattered(self, first);
+    const bool warm = ord_past_light_at(self->with->past, self->domain, &self->dom, first, light);
+    air_status status = warm ? begin_from(self, light, dom) : AIR_OK;
+    status = status == AIR_OK
+                 ? solve(self, params, warm ? ", begun from the picture before" : "", dom)
+                 : status;
+    if (status == AIR_OK) {
+        air_dom_moments(dom, light);
+        take_through(self, light);
+        ord_past_keep_light(self->with->past, self->domain, &self->dom, first, key, light);
+    }
+    return status;
+}
+
+/* Begins where the picture before ended, and keeps the light for the next one. Light that solves
+ * this picture stays to the bit: one more sweep would make it better, and still media flicker. */
 static air_status solve_on(ord_solving *self, const air_dom_solve_params *params, air_dom *dom)
 {
     air_context *const context = self->with->context;
     const size_t bands = (size_t)self->dom.bands;
+    const uint64_t key = problem_key(self, params);
     float *const light =
         air_allocate(context, self->domain->cells * bands * bands * ORD_CHANNELS, sizeof *light);
     if (light == NULL) {
         return air_fail_memory(context, "ordinates: light of the picture before");
     }
-    double first[3];
-    first_scattered(self, first);
-    const char *begin = "";
-    air_status status = begin_warm(self, first, light, dom, &begin);
-    status = status == AIR_OK ? solve(self, params, begin, dom) : status;
-    if (status != AIR_OK) {
-        air_free(context, light);
-        return status;
+    const bool solved = ord_past_solution(self->with->past, key, light);
+    const air_status status =
+        solved ? begin_from(self, light, dom) : solve_next(self, params, dom, key, light);
+    if (status == AIR_OK && solved) {
+        air_inform(context, "ordinates: 0 sweeps, begun from the picture before");
     }
-    air_dom_moments(dom, light);
-    take_through(self, light);
-    ord_past_keep_light(self->with->past, self->domain, &self->dom, first, light);
-    return AIR_OK;
+    if (status != AIR_OK || solved) {
+        air_free(context, light);
+    }
+    return status;
 }
 
 static ord_glow glow_of(const ord_solving *self, const ord_space *space, const air_dom *dom,
