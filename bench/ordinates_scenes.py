@@ -48,14 +48,15 @@ def smoke(shared):
 
 
 def torus(shared, folder, airlight):
-    """torus01.vdb as .nvdb; None where the converter was not built."""
+    """torus01.vdb as .nvdb, of densities up to 100, 16 m across; None where the converter was not
+    built."""
     out = os.path.join(folder, "torus.nvdb")
     source = os.path.join(shared, "vdb", "torus01.vdb")
     done = subprocess.run([airlight, "convert", source, out, "-q"], stderr=subprocess.DEVNULL)
     if done.returncode != 0:
         return None
     grid = {"grid": {"file": out, "name": "voxel_fog_density"}}
-    return {"name": "torus", "sigma_s": 8.0, "sigma_a": 0.1, "g": 0.5, "density": grid}
+    return {"name": "torus", "sigma_s": 0.03, "sigma_a": 0.0003, "g": 0.5, "density": grid}
 
 
 def milk():
@@ -98,7 +99,7 @@ def write_all(folder, shared, airlight):
     """{name: path} of all scenes that can be made."""
     media = {
         "smoke": (((0.0, 0.15, 1.5), (0.0, 0.0, 0.0), 38.0), smoke(shared)),
-        "torus": (((0.0, 2.2, 4.2), (0.0, 0.0, 0.0), 35.0), torus(shared, folder, airlight)),
+        "torus": (((-8.0, 9.0, 25.0), (-8.0, -1.6, 3.2), 38.0), torus(shared, folder, airlight)),
         "milk": (((1.2, 0.9, 2.0), (0.0, 0.0, 0.0), 35.0), milk()),
         "cloud": (((0.4, 0.2, 1.9), (0.0, 0.0, 0.0), 35.0), cloud(folder)),
     }
