@@ -141,16 +141,18 @@ def compare_modes(options, found, folder):
 
 def compare_directions(options, scene, folder):
     rows = []
-    truth = Reference(options, options.scene, scene).truth
+    path = Reference(options, options.scene, scene)
+    truth = path.truth
     for label, switch in SWITCHES.items():
         for mode in ("cm",) if label == "no residuum" else ("dom", "cm"):
-            row = []
+            row = [(options.scene + ", path", tone(truth, truth.mean() * 4.0))]
             for count in COUNTS:
                 out = os.path.join(folder, "count.exr")
                 extra = ["--quality", "interactive", "--method", "ordinates:" + mode, *switch]
                 run(options, scene, out, extra + ["--terms", "M1,M2", "--directions", str(count)])
                 media = colour(out)
-                error = np.sqrt(((media - truth) ** 2).mean()) / truth.mean()
+                square = ((media - path.media[0]) * (media - path.media[1])).mean()
+                error = np.sqrt(max(square, 0.0)) / truth.mean()
                 bias = media.mean() / truth.mean() - 1.0
                 print(f"{mode:5}{label:15}{count:5} directions{bias:+8.2%}{error:9.3f}")
                 row.append((f"{mode}, {label}, {count}", tone(media, truth.mean() * 4.0)))

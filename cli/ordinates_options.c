@@ -19,7 +19,7 @@ static const cli_option ordinates_options[] = {
      .min = 1,
      .max = 4096,
      .offset = offsetof(cli_ordinates_options, directions),
-     .help = "From which each environment shines; by --quality 64, 64, 128 or 256."},
+     .help = "From which each environment shines; by --quality 128, 128, 128 or 256."},
     {.name = "patches",
      .kind = CLI_COUNT,
      .value = "N",
@@ -35,7 +35,7 @@ static const cli_option ordinates_options[] = {
      .max = AIR_DOM_BANDS_MAX,
      .offset = offsetof(cli_ordinates_options, bands),
      .help = "Of dom and shdom: orders of spherical harmonics that scattered light keeps; by "
-             "--quality 4, 4, 6 or 8, and at least 6 where a mean cosine is above 0.9."},
+             "--quality 4, 4, 7 or 8; 7 too in place of 4 where a mean cosine is above 0.9."},
     {.name = "angles",
      .kind = CLI_COUNTS,
      .value = "PxA",
@@ -99,17 +99,17 @@ cli_exit cli_ordinates_check(const cli_ordinates_options *options, int quality_b
     const uint64_t *const angles = options->angles.value;
     const uint64_t least = quality_bands > 0 ? (uint64_t)quality_bands : 2; /* whatever the media */
     const uint64_t bands = options->bands.set ? options->bands.value : least;
+    const uint64_t polar = (bands + 1) / 2 * 2, azimuths = (2 * bands + 3) / 4 * 4;
     if (!options->angles.set) {
         return CLI_OK;
     }
-    if (angles[0] % 2 != 0 || angles[0] < bands || angles[0] > POLAR_MAX || angles[1] % 4 != 0 ||
-        angles[1] < 2 * bands) {
+    if (angles[0] % 2 != 0 || angles[0] < polar || angles[0] > POLAR_MAX || angles[1] % 4 != 0 ||
+        angles[1] < azimuths) {
         cli_say(NULL, AIR_MESSAGE_ERROR,
                 "--angles: expected for %llu bands PxA with P even, %llu to 64, and A a multiple "
                 "of 4, %llu to 128, got %llux%llu",
-                (unsigned long long)bands, (unsigned long long)bands,
-                (unsigned long long)(2 * bands), (unsigned long long)angles[0],
-                (unsigned long long)angles[1]);
+                (unsigned long long)bands, (unsigned long long)polar, (unsigned long long)azimuths,
+                (unsigned long long)angles[0], (unsigned long long)angles[1]);
         return CLI_USAGE;
     }
     return CLI_OK;

@@ -26,9 +26,9 @@ typedef struct quality {
 } quality;
 
 static const quality qualities[] = {
-    {4, UINT32_MAX, "interactive", 20, 64, 16, 24, 20, 1, 0},
-    {16, 8, "auto", 24, 64, 32, 16, 24, 2, 0},
-    {64, 32, "auto", 32, 128, 64, 64, 32, 2, 6},
+    {4, UINT32_MAX, "interactive", 20, 128, 16, 24, 20, 1, 0},
+    {16, 8, "auto", 24, 128, 32, 16, 24, 2, 0},
+    {64, 32, "auto", 32, 128, 64, 64, 32, 2, 7},
     {512, UINT32_MAX, "auto", 48, 256, 256, 256, 48, 2, 8},
 };
 

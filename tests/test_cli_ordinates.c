@@ -70,7 +70,7 @@ static void input_without_sense_is_refused_and_nothing_written(void **state)
         {{"--steps", "4097"}, 2, "--steps: expected a whole number from 1 to 4096"},
         {{"--march", "65"}, 2, "--march: expected a whole number from 1 to 64"},
         {{"--angles", "4"}, 2, "--angles: expected PxA"},
-        {{"--angles", "5x12"}, 2, "P even, 6 to 64, and A a multiple of 4, 12 to 128, got 5x12"},
+        {{"--angles", "5x12"}, 2, "P even, 8 to 64, and A a multiple of 4, 16 to 128, got 5x12"},
         {{"--angles", "4x8", "--bands", "5"}, 2, "--angles: expected for 5 bands PxA"},
         {{"--angles", "66x128"}, 2, "got 66x128"},
         {{"--method", "ordinates:best"}, 1, "ordinates[:dom|cm|six|literal|shdom]"},

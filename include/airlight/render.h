@@ -132,7 +132,7 @@ typedef struct air_ordinates_settings {
     uint32_t directions; /* for each environment, [1, 4096]; default 64 */
     uint32_t patches;    /* about so many of each lamp with an area, of all surfaces for what lights
                             send them, and again for what media send them, [1, 4096]; default 64 */
-    int bands; /* of dom and shdom, as in air_dom_params; 0: 4, and 6 where a medium scatters
+    int bands; /* of dom and shdom, as in air_dom_params; 0: 4, and 7 where a medium scatters
                   ahead with a mean cosine above 0.9; default 5 */
     int polar, azimuths; /* likewise; 0, the default: the least that the bands take */
     uint32_t sweeps;     /* of dom and shdom at most, >= 1; default 64. A max_depth up to it is
