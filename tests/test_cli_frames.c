@@ -1,7 +1,7 @@
 /* Sequences of frames: files in and out, cameras that turn, interrupts, and bad numbers. */
 #include <jansson.h>
 
-#include "cli_run.h"
+#include "cli_result.h"
 
 /* Smoke of a file for each frame around the lamp; 32 x 16 pixels. */
 #define SMOKE                                                                                      \
@@ -31,16 +31,6 @@ static void enter(cli_directory *directory)
     }
 }
 
-static void run_well(const cli_directory *directory, const char *const *arguments)
-{
-    cli_result result = cli_run(directory, arguments);
-    if (result.exit_code != 0) {
-        print_error("airlight %s: exit code %d: %s", arguments[0], result.exit_code, result.err);
-    }
-    assert_int_equal(result.exit_code, 0);
-    cli_free(&result);
-}
-
 /* The command fails so, and one line on stderr is "airlight: error: " and this. */
 static void run_badly(const cli_directory *directory, const char *const *arguments, int exit_code,
                       const char *message)
@@ -55,33 +45,13 @@ static void run_badly(const cli_directory *directory, const char *const *argumen
     cli_free(&result);
 }
 
-static bool same_bytes(const char *a, const char *b)
-{
-    struct stat status_a, status_b;
-    assert_int_equal(stat(a, &status_a), 0);
-    assert_int_equal(stat(b, &status_b), 0);
-    if (status_a.st_size != status_b.st_size) {
-        return false;
-    }
-    char *const text_a = cli_read_text(a), *const text_b = cli_read_text(b);
-    const bool same = memcmp(text_a, text_b, (size_t)status_a.st_size) == 0;
-    free(text_a);
-    free(text_b);
-    return same;
-}
-
 static void expect_attribute(const cli_directory *directory, const char *path, const char *name,
                              const char *expected)
 {
-    const char *const arguments[] = {"info", path, "--json", NULL};
-    cli_result result = cli_run(directory, arguments);
-    json_t *const description = json_loads(result.out, 0, NULL);
-    const char *const value =
-        json_string_value(json_object_get(json_object_get(description, "attributes"), name));
+    char *const value = cli_attribute(directory, path, name);
     assert_non_null(value);
     assert_string_equal(value, expected);
-    json_decref(description);
-    cli_free(&result);
+    free(value);
 }
 
 /* ---- what is rendered ---- */
@@ -95,11 +65,11 @@ static void a_frame_of_a_sequence_has_the_bytes_of_that_frame_alone(void **state
                                         "alone.#.film", "-o",  "alone.#.pfm", NULL};
     cli_directory directory;
     enter(&directory);
-    run_well(&directory, all);
-    run_well(&directory, alone);
-    assert_true(same_bytes("all.03.film", "alone.3.film"));
-    assert_true(same_bytes("all.03.pfm", "alone.3.pfm"));
-    assert_false(same_bytes("all.02.pfm", "all.03.pfm"));
+    cli_run_well(&directory, all);
+    cli_run_well(&directory, alone);
+    assert_true(cli_same_bytes("all.03.film", "alone.3.film"));
+    assert_true(cli_same_bytes("all.03.pfm", "alone.3.pfm"));
+    assert_false(cli_same_bytes("all.02.pfm", "all.03.pfm"));
     cli_leave(&directory);
 }
 
@@ -115,13 +85,13 @@ static void turning_the_camera_does_not_depend_on_the_frames_before(void **state
                                        "0",      "-o",  "none.film", NULL};
     cli_directory directory;
     enter(&directory);
-    run_well(&directory, turning);
-    run_well(&directory, alone);
-    run_well(&directory, still);
-    run_well(&directory, none);
-    assert_true(same_bytes("turn.3.film", "alone.film"));
-    assert_false(same_bytes("turn.3.film", "still.film"));
-    assert_true(same_bytes("none.film", "still.film"));
+    cli_run_well(&directory, turning);
+    cli_run_well(&directory, alone);
+    cli_run_well(&directory, still);
+    cli_run_well(&directory, none);
+    assert_true(cli_same_bytes("turn.3.film", "alone.film"));
+    assert_false(cli_same_bytes("turn.3.film", "still.film"));
+    assert_true(cli_same_bytes("none.film", "still.film"));
     cli_leave(&directory);
 }
 
@@ -152,9 +122,9 @@ static void the_camera_turns_counterclockwise_about_the_media(void **state)
     enter(&directory);
     cli_write_text("x.json", "{\"camera\":{\"position\":[3,3,0],\"look_at\":[0,0,0],"
                              "\"fov_y_degrees\":45.83662361,\"aspect\":2}}");
-    run_well(&directory, turned);
-    run_well(&directory, placed);
-    run_well(&directory, other);
+    cli_run_well(&directory, turned);
+    cli_run_well(&directory, placed);
+    cli_run_well(&directory, other);
     /* The same rays up to roundings; those that send a path another way are a few. */
     assert_true(relative_rmse(&directory, "turned.exr", "placed.exr") < 0.01);
     assert_true(relative_rmse(&directory, "other.exr", "placed.exr") > 0.05);
@@ -197,7 +167,7 @@ static void the_default_output_has_room_for_the_number(void **state)
     static const char *const arguments[] = {"render", SMOKE, "--frames", "2-3", NULL};
     cli_directory directory;
     enter(&directory);
-    run_well(&directory, arguments);
+    cli_run_well(&directory, arguments);
     assert_true(cli_exists("lit.0002.exr") && cli_exists("lit.0003.exr"));
     cli_leave(&directory);
 }
@@ -253,7 +223,7 @@ static void without_frames_a_name_with_hashes_says_what_is_missing(void **state)
     run_badly(&directory, arguments, 1,
               "smoke.##.raw: there is no such file, and # stands for the number of a frame: "
               "expected one (--frames of airlight render");
-    run_well(&directory, info);
+    cli_run_well(&directory, info);
     cli_leave(&directory);
 }
 
@@ -264,19 +234,10 @@ static void an_interrupt_leaves_whole_frames_and_exit_code_130(void **state)
     static const char *const arguments[] = {
         "render",  "lit.gltf", "--width", "32", "--medium", "sigma_s=0.1", "--frames",
         "1-36000", "--time",   "0.2",     "-o", "i.#.exr",  NULL};
-    const struct timespec pause = {.tv_nsec = 20000000};
     cli_directory directory;
     enter(&directory);
     const pid_t child = cli_start(&directory, arguments);
-    for (int i = 0; i < 1500 && !cli_exists("i.2.exr"); i++) {
-        nanosleep(&pause, NULL);
-    }
-    assert_true(cli_exists("i.2.exr"));
-    kill(child, SIGINT);
-    cli_result result = cli_finish(&directory, child);
-    assert_int_equal(result.exit_code, 130);
-    assert_int_equal(cli_count_lines(result.err, "airlight: error: "), 0);
-    cli_free(&result);
+    cli_interrupt_at(&directory, child, "i.2.exr", NULL);
     expect_attribute(&directory, "i.1.exr", "airlight:frame-number", "1");
     expect_attribute(&directory, "i.2.exr", "airlight:frame-number", "2");
     cli_leave(&directory);
@@ -306,9 +267,9 @@ static void frames_begin_from_those_before_unless_told_not_to(void **state)
         assert_int_equal(strstr(result.err, "begun from the picture before") != NULL, i == 0);
         cli_free(&result);
     }
-    assert_true(same_bytes("warm.1.film", "cold.1.film"));
-    assert_true(same_bytes("cold.3.film", "alone.3.film"));
-    assert_false(same_bytes("warm.3.film", "cold.3.film"));
+    assert_true(cli_same_bytes("warm.1.film", "cold.1.film"));
+    assert_true(cli_same_bytes("cold.3.film", "alone.3.film"));
+    assert_false(cli_same_bytes("warm.3.film", "cold.3.film"));
     /* A sweep changes light by less than 1e-3 at the end; a hundredth is left of a solution. */
     assert_true(relative_rmse(&directory, "warm.3.exr", "cold.3.exr") < 0.01);
     cli_leave(&directory);
@@ -389,8 +350,8 @@ static void diff_measures_how_sequences_flicker(void **state)
         NULL};
     cli_directory directory;
     enter(&directory);
-    run_well(&directory, a);
-    run_well(&directory, b);
+    cli_run_well(&directory, a);
+    cli_run_well(&directory, b);
     cli_result result = cli_run(&directory, same);
     assert_int_equal(result.exit_code, 0);
     json_t *const metrics = json_loads(result.out, 0, NULL);

@@ -2,7 +2,7 @@
 #include <jansson.h>
 #include <math.h>
 
-#include "cli_run.h"
+#include "cli_result.h"
 
 #define BAKE "bake", "lit.gltf", "-o", "lit.lightmap", "--spp", "16", "--texels-per-metre", "4"
 #define RENDER                                                                                     \
@@ -18,21 +18,10 @@ static void expect(const cli_directory *directory, int exit_code, const char *sa
     cli_free(&result);
 }
 
-static json_t *run_json(const cli_directory *directory, const char *const *arguments)
-{
-    json_error_t error;
-    cli_result result = cli_run(directory, arguments);
-    assert_int_equal(result.exit_code, 0);
-    json_t *const value = json_loads(result.out, 0, &error);
-    assert_non_null(value);
-    cli_free(&result);
-    return value;
-}
-
 /* The mean of green as `render --json` prints it. */
 static double mean_green(const cli_directory *directory, const char *const *arguments)
 {
-    json_t *const report = run_json(directory, arguments);
+    json_t *const report = cli_run_json(directory, arguments);
     const double mean = json_number_value(json_array_get(json_object_get(report, "mean"), 1));
     json_decref(report);
     return mean;
@@ -58,7 +47,7 @@ static void a_bake_is_seen_as_path_sees_the_scene(void **state)
     const double with = mean_green(&directory, shown), without = mean_green(&directory, traced);
     printf("mean %g and %g, off by %+.2f %%\n", with, without, 100.0 * (with / without - 1.0));
     assert_true(without > 0.0 && fabs(with / without - 1.0) <= 0.06);
-    json_t *const description = run_json(&directory, info);
+    json_t *const description = cli_run_json(&directory, info);
     const json_t *const attributes = json_object_get(description, "attributes");
     assert_string_equal(json_string_value(json_object_get(attributes, "airlight:lightmap")),
                         "lit.lightmap");

@@ -1,64 +1,10 @@
 /* What the command does when all is well, and when it is interrupted. */
 #include <jansson.h>
 
-#include "cli_run.h"
+#include "cli_result.h"
 
 /* A draft small enough to take no time: 32 x 16 pixels. */
 #define SMALL "lit.gltf", "--width", "32", "--medium", "sigma_s=0.1", "--max-depth", "3"
-
-static void run_well(const cli_directory *directory, const char *const *arguments)
-{
-    cli_result result = cli_run(directory, arguments);
-    if (result.exit_code != 0) {
-        print_error("airlight %s: exit code %d: %s", arguments[0], result.exit_code, result.err);
-    }
-    assert_int_equal(result.exit_code, 0);
-    cli_free(&result);
-}
-
-/* The command's stdout as JSON. */
-static json_t *run_json(const cli_directory *directory, const char *const *arguments)
-{
-    json_error_t error;
-    cli_result result = cli_run(directory, arguments);
-    json_t *const value = json_loads(result.out, 0, &error);
-    if (result.exit_code != 0 || value == NULL) {
-        print_error("airlight %s: exit code %d: %s", arguments[0], result.exit_code, result.err);
-    }
-    assert_int_equal(result.exit_code, 0);
-    assert_non_null(value);
-    cli_free(&result);
-    return value;
-}
-
-static char *attribute(const cli_directory *directory, const char *path, const char *name)
-{
-    const char *const arguments[] = {"info", path, "--json", NULL};
-    json_t *const description = run_json(directory, arguments);
-    const char *const value =
-        json_string_value(json_object_get(json_object_get(description, "attributes"), name));
-    char *const copy = value != NULL ? strdup(value) : NULL;
-    json_decref(description);
-    return copy;
-}
-
-static void assert_same_bytes(const char *a, const char *b)
-{
-    struct stat status_a, status_b;
-    assert_int_equal(stat(a, &status_a), 0);
-    assert_int_equal(stat(b, &status_b), 0);
-    assert_int_equal(status_a.st_size, status_b.st_size);
-    FILE *const file_a = fopen(a, "rb"), *const file_b = fopen(b, "rb");
-    assert_non_null(file_a);
-    assert_non_null(file_b);
-    long long different = 0;
-    for (int c; (c = fgetc(file_a)) != EOF;) {
-        different += c != fgetc(file_b);
-    }
-    fclose(file_a);
-    fclose(file_b);
-    assert_int_equal(different, 0);
-}
 
 static void help_of_every_command_goes_to_stdout_with_exit_code_0(void **state)
 {
@@ -103,7 +49,7 @@ static void render_writes_an_exr_of_the_scenes_name_by_default(void **state)
     static const char *const arguments[] = {"render", SMALL, "--spp", "1", NULL};
     cli_directory directory;
     cli_enter(&directory);
-    run_well(&directory, arguments);
+    cli_run_well(&directory, arguments);
     assert_true(cli_exists("lit.exr"));
     cli_leave(&directory);
 }
@@ -130,14 +76,14 @@ static void an_exr_tells_how_it_was_made(void **state)
     };
     cli_directory directory;
     cli_enter(&directory);
-    run_well(&directory, arguments);
+    cli_run_well(&directory, arguments);
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++) {
-        char *const value = attribute(&directory, "a b.exr", expected[i][0]);
+        char *const value = cli_attribute(&directory, "a b.exr", expected[i][0]);
         assert_non_null(value);
         assert_string_equal(value, expected[i][1]);
         free(value);
     }
-    assert_null(attribute(&directory, "a b.exr", "airlight:partial"));
+    assert_null(cli_attribute(&directory, "a b.exr", "airlight:partial"));
     cli_leave(&directory);
 }
 
@@ -148,7 +94,7 @@ static void statistics_come_as_json_on_stdout(void **state)
                                             "--height", "8",   "--json", NULL};
     cli_directory directory;
     cli_enter(&directory);
-    json_t *const statistics = run_json(&directory, arguments);
+    json_t *const statistics = cli_run_json(&directory, arguments);
     assert_int_equal(json_integer_value(json_object_get(statistics, "width")), 32);
     assert_int_equal(json_integer_value(json_object_get(statistics, "height")), 8);
     assert_int_equal(json_integer_value(json_array_get(json_object_get(statistics, "samples"), 1)),
@@ -173,12 +119,12 @@ static void films_of_parts_merge_to_the_bytes_of_one_run(void **state)
                                         "merged.film", "-o",     "merged.exr", NULL};
     cli_directory directory;
     cli_enter(&directory);
-    run_well(&directory, first);
-    run_well(&directory, second);
-    run_well(&directory, whole);
-    run_well(&directory, merge);
-    assert_same_bytes("whole.film", "merged.film");
-    char *const samples = attribute(&directory, "merged.exr", "airlight:samples");
+    cli_run_well(&directory, first);
+    cli_run_well(&directory, second);
+    cli_run_well(&directory, whole);
+    cli_run_well(&directory, merge);
+    assert_true(cli_same_bytes("whole.film", "merged.film"));
+    char *const samples = cli_attribute(&directory, "merged.exr", "airlight:samples");
     assert_string_equal(samples, "0:32");
     free(samples);
     cli_leave(&directory);
@@ -194,8 +140,8 @@ static void films_of_different_pictures_do_not_merge(void **state)
     static const char *const twice[] = {"merge", "a.film", "a.film", "-o", "c.film", NULL};
     cli_directory directory;
     cli_enter(&directory);
-    run_well(&directory, a);
-    run_well(&directory, b);
+    cli_run_well(&directory, a);
+    cli_run_well(&directory, b);
     const char *const *const merges[] = {seeds, twice};
     static const char *const says[] = {"airlight: error: b.film: ", "airlight: error: a.film: "};
     for (size_t i = 0; i < 2; i++) {
@@ -218,9 +164,9 @@ static void threads_and_tiles_do_not_change_the_bytes(void **state)
                                       "--tile-size", "5",   "-o",    "two.film", NULL};
     cli_directory directory;
     cli_enter(&directory);
-    run_well(&directory, one);
-    run_well(&directory, two);
-    assert_same_bytes("one.film", "two.film");
+    cli_run_well(&directory, one);
+    cli_run_well(&directory, two);
+    assert_true(cli_same_bytes("one.film", "two.film"));
     cli_leave(&directory);
 }
 
@@ -231,24 +177,14 @@ static void an_interrupt_leaves_a_marked_picture_and_exit_code_130(void **state)
     static const char *const arguments[] = {
         "render", SMALL, "--spp",  "1000000000",      "--time", "60", "-o",
         "a.exr",  "-o",  "a.film", "--write-partial", "0.1",    NULL};
-    const struct timespec pause = {.tv_nsec = 20000000};
     cli_directory directory;
     cli_enter(&directory);
     const pid_t child = cli_start(&directory, arguments);
-    for (int i = 0; i < 1500 && !cli_exists("a.partial.film"); i++) {
-        nanosleep(&pause, NULL);
-    }
-    assert_true(cli_exists("a.partial.film"));
-    assert_false(cli_exists("a.exr"));
-    kill(child, SIGINT);
-    cli_result result = cli_finish(&directory, child);
-    assert_int_equal(result.exit_code, 130);
-    assert_int_equal(cli_count_lines(result.err, "airlight: error: "), 0);
-    cli_free(&result);
+    cli_interrupt_at(&directory, child, "a.partial.film", "a.exr");
     assert_false(cli_exists("a.partial.exr") || cli_exists("a.partial.film"));
     static const char *const outputs[] = {"a.exr", "a.film"};
     for (size_t i = 0; i < sizeof outputs / sizeof outputs[0]; i++) {
-        char *const partial = attribute(&directory, outputs[i], "airlight:partial");
+        char *const partial = cli_attribute(&directory, outputs[i], "airlight:partial");
         assert_non_null(partial);
         assert_string_equal(partial, "interrupted");
         free(partial);
@@ -262,7 +198,7 @@ static void a_time_budget_ends_the_run_well(void **state)
     static const char *const arguments[] = {"render", SMALL, "--time", "0.2", "--json", NULL};
     cli_directory directory;
     cli_enter(&directory);
-    json_t *const statistics = run_json(&directory, arguments);
+    json_t *const statistics = cli_run_json(&directory, arguments);
     assert_true(json_integer_value(json_array_get(json_object_get(statistics, "samples"), 1)) >=
                 16);
     json_decref(statistics);
@@ -317,9 +253,9 @@ static void diff_prints_metrics_and_fails_above_a_limit(void **state)
                                        "rmse=0", "--fail-above", "flip=0", NULL};
     cli_directory directory;
     cli_enter(&directory);
-    run_well(&directory, a);
-    run_well(&directory, b);
-    json_t *const metrics = run_json(&directory, compare);
+    cli_run_well(&directory, a);
+    cli_run_well(&directory, b);
+    json_t *const metrics = cli_run_json(&directory, compare);
     assert_true(json_real_value(json_object_get(metrics, "rmse")) > 0.0);
     assert_int_equal(json_real_value(json_object_get(metrics, "pixels")), 32 * 16);
     assert_null(json_object_get(metrics, "sidak-p"));
@@ -329,7 +265,7 @@ static void diff_prints_metrics_and_fails_above_a_limit(void **state)
     assert_int_equal(cli_count_lines(result.err, "airlight: error: rmse is "), 1);
     assert_true(cli_exists("d.png"));
     cli_free(&result);
-    run_well(&directory, same);
+    cli_run_well(&directory, same);
     cli_leave(&directory);
 }
 
@@ -346,12 +282,12 @@ static void diff_tests_expectations_where_an_image_has_variances(void **state)
                                           "--fail-below", "sidak-p=1e-4", NULL};
     cli_directory directory;
     cli_enter(&directory);
-    run_well(&directory, a);
-    run_well(&directory, b);
-    json_t *const metrics = run_json(&directory, compare);
+    cli_run_well(&directory, a);
+    cli_run_well(&directory, b);
+    json_t *const metrics = cli_run_json(&directory, compare);
     assert_true(json_real_value(json_object_get(metrics, "tests")) > 0.0);
     json_decref(metrics);
-    char *const replicates = attribute(&directory, "a.exr", "airlight:variance-replicates");
+    char *const replicates = cli_attribute(&directory, "a.exr", "airlight:variance-replicates");
     assert_string_equal(replicates, "8");
     free(replicates);
     cli_leave(&directory);
@@ -364,9 +300,9 @@ static void convert_of_a_png_gives_the_same_png(void **state)
     static const char *const convert[] = {"convert", "a.png", "b.png", NULL};
     cli_directory directory;
     cli_enter(&directory);
-    run_well(&directory, render);
-    run_well(&directory, convert);
-    assert_same_bytes("a.png", "b.png");
+    cli_run_well(&directory, render);
+    cli_run_well(&directory, convert);
+    assert_true(cli_same_bytes("a.png", "b.png"));
     cli_leave(&directory);
 }
 
@@ -378,9 +314,9 @@ static void convert_takes_the_exposure_an_exr_carries(void **state)
     static const char *const convert[] = {"convert", "a.exr", "b.png", NULL};
     cli_directory directory;
     cli_enter(&directory);
-    run_well(&directory, render);
-    run_well(&directory, convert);
-    assert_same_bytes("a.png", "b.png");
+    cli_run_well(&directory, render);
+    cli_run_well(&directory, convert);
+    assert_true(cli_same_bytes("a.png", "b.png"));
     cli_leave(&directory);
 }
 
@@ -400,7 +336,7 @@ static void convert_reads_vdb_files_by_the_optional_converter(void **state)
     cli_enter(&directory);
     cli_result result = cli_run(&directory, arguments);
     if (result.exit_code == 0) {
-        run_well(&directory, render);
+        cli_run_well(&directory, render);
     } else {
         /* Built without OpenVDB. */
         assert_int_equal(result.exit_code, 1);
@@ -425,7 +361,7 @@ static void info_tells_of_a_scene_in_text_and_json(void **state)
     assert_non_null(strstr(result.out, "triangles: 2\n"));
     assert_non_null(strstr(result.out, "\"Slant\""));
     cli_free(&result);
-    json_t *const description = run_json(&directory, json);
+    json_t *const description = cli_run_json(&directory, json);
     assert_int_equal(json_array_size(json_object_get(description, "cameras")), 1);
     json_decref(description);
     cli_leave(&directory);

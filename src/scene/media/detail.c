@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "core/random.h"
+#include "core/sobol.h"
 
 /* Standard deviation of one octave over a cell. Its corners' gradients are independent, with
  * E[g g^T] = 2/3 I, so its square is 8 * 2/3 * 3 W2 W0^2, W0 and W2 the integrals over [0, 1] of
@@ -11,7 +12,7 @@ static const float octave_deviation = 0.270035f;
 
 /* Four corners of a cell: x in the lowest bit, y in the next. */
 typedef float corner_floats __attribute__((vector_size(16)));
-typedef uint32_t corner_bits __attribute__((vector_size(16)));
+typedef air_u32x4 corner_bits;
 
 static air_detail_kernel *choose_kernel(air_cpu cpu)
 {
@@ -49,17 +50,6 @@ void air_detail_make(const air_detail *detail, air_cpu cpu, air_detail_field *ou
         }
     }
     out->amplitude = 0.5f / (octave_deviation * sqrtf(variance));
-}
-
-/* air_hash32, of four. */
-static inline corner_bits hash_corners(corner_bits x)
-{
-    x ^= x >> 16;
-    x *= 0x7feb352du;
-    x ^= x >> 15;
-    x *= 0x846ca68bu;
-    x ^= x >> 16;
-    return x;
 }
 
 static inline corner_floats choose(corner_bits mask, corner_floats yes, corner_floats no)
@@ -111,8 +101,8 @@ static inline float octave_noise(axis_floats at, uint32_t seed)
     const corner_floats dx = {x, x - 1.0f, x, x - 1.0f}, dy = {y, y, y - 1.0f, y - 1.0f};
     const corner_floats wx = {down[0], up[0], down[0], up[0]};
     const corner_floats wy = {down[1], down[1], up[1], up[1]};
-    const corner_floats bottom = slopes(hash_corners(plane ^ key[2]), dx, dy, z);
-    const corner_floats top = slopes(hash_corners(plane ^ next[2]), dx, dy, z - 1.0f);
+    const corner_floats bottom = slopes(air_hash32x4(plane ^ key[2]), dx, dy, z);
+    const corner_floats top = slopes(air_hash32x4(plane ^ next[2]), dx, dy, z - 1.0f);
     const corner_floats sum = wx * wy * (bottom * down[2] + top * up[2]);
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
