@@ -27,14 +27,20 @@ typedef struct air_gobo_window {
     size_t vertex_count; /* >= 3 */
 } air_gobo_window;
 
+/* How a spot's intensity falls from the inner cone to the outer one. */
+typedef enum air_spot_shape {
+    AIR_SPOT_COSINE = 0, /* KHR_lights_punctual: linear in the cosine, squared */
+    AIR_SPOT_ANGLE = 1   /* linear in the angle, as Mitsuba's */
+} air_spot_shape;
+
 typedef struct air_light_desc {
     const char *name; /* copied; may be NULL */
     air_light_kind kind;
     float color[3];    /* the quantity named at the kind, >= 0, finite */
     float position[3]; /* point, spot */
     float dir[3];      /* direction the light travels; spot, collimated; need not be unit */
-    float inner_cone_rad,
-        outer_cone_rad; /* spot: 0 <= inner < outer <= pi/2; falloff as in KHR_lights_punctual */
+    float inner_cone_rad, outer_cone_rad; /* spot: 0 <= inner < outer <= pi/2 */
+    air_spot_shape falloff;
     const air_gobo_window *windows; /* collimated: copied */
     size_t window_count;
     const float *vertices; /* polygon: 3 floats each, world space, planar, simple; emits to the side

@@ -83,13 +83,6 @@ typedef enum air_pattern {
     AIR_PATTERN_BLUE_NOISE = 3
 } air_pattern;
 
-typedef enum air_filter {
-    AIR_FILTER_BOX = 0,
-    AIR_FILTER_POINT = 1,
-    AIR_FILTER_TENT = 2,
-    AIR_FILTER_GAUSSIAN = 3
-} air_filter;
-
 /* A stretch of a ray in which the same media are present: bit i of the mask is medium i of the
  * snapshot. */
 typedef struct air_media_interval {
@@ -200,7 +193,6 @@ typedef struct air_render_params {
 } air_render_params;
 
 AIR_API void air_render_params_default(air_render_params *params);
-AIR_API float air_filter_radius_default(air_filter filter);
 
 /* ---- film: raw sums; only resolve divides ---- */
 

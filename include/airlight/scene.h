@@ -40,7 +40,7 @@ typedef struct air_texture_desc {
     air_filter_kind filter;
 } air_texture_desc;
 
-/* ---- materials: glTF's metallic-roughness model ---- */
+/* ---- materials: glTF's metallic-roughness model, and those of the field's renderers ---- */
 
 /* uv' = (m[0] u + m[1] v + m[2], m[3] u + m[4] v + m[5]); v runs downwards as in glTF. */
 typedef struct air_texture_ref {
@@ -55,9 +55,28 @@ typedef enum air_alpha_mode {
     AIR_ALPHA_BLEND = 2
 } air_alpha_mode;
 
+typedef enum air_material_model {
+    /* Lambert under GGX, mixed with metal; KHR_materials_transmission, _ior and _volume. */
+    AIR_MATERIAL_METALLIC_ROUGHNESS = 0,
+    /* An interface between two dielectrics: reflects and refracts [Walter2007]. */
+    AIR_MATERIAL_DIELECTRIC = 1,
+    /* A pane of a dielectric, thinner than can be seen: light that passes goes straight on. */
+    AIR_MATERIAL_THIN_DIELECTRIC = 2,
+    AIR_MATERIAL_CONDUCTOR = 3, /* a metal, by its complex index of refraction */
+    AIR_MATERIAL_PLASTIC = 4,   /* Lambert below the interface of a dielectric */
+    AIR_MATERIAL_BLEND = 5,     /* two other materials, by a weight */
+    AIR_MATERIAL_NULL = 6       /* nothing: rays pass; for boundaries of media */
+} air_material_model;
+
+typedef enum air_microfacets {
+    AIR_MICROFACETS_GGX = 0,
+    AIR_MICROFACETS_BECKMANN = 1
+} air_microfacets;
+
 typedef struct air_material_desc {
     const char *name;
-    float base_color[4]; /* linear RGB in [0,1], and alpha */
+    air_material_model model;
+    float base_color[4]; /* linear RGB in [0,1], and alpha; of a plastic: of what is below */
     air_texture_ref base_color_texture;
     float metallic, roughness;                  /* in [0,1] */
     air_texture_ref metallic_roughness_texture; /* G: roughness, B: metallic */
@@ -67,7 +86,27 @@ typedef struct air_material_desc {
     air_texture_ref emission_texture;
     float specular; /* [0,1], scales the dielectric reflectance; 0 with metallic 0 is a pure Lambert
                        surface */
-    float ior;      /* >= 1, of the dielectric; 1.5 by default */
+    float ior; /* of the dielectric, the side that normals point away from, over that of the other;
+                  1.5 by default; >= 1, of DIELECTRIC and PLASTIC > 0; 1: index-matched */
+    float transmission; /* METALLIC_ROUGHNESS: [0,1], share of the base that lets light through */
+    air_texture_ref transmission_texture; /* R */
+    bool thin_walled; /* METALLIC_ROUGHNESS: what passes is not bent (KHR_materials_transmission
+                         without _volume); default true */
+    /* All but METALLIC_ROUGHNESS, BLEND and NULL: distribution and width of the facets' slopes,
+     * along the tangent and across; alpha 0: perfectly smooth. */
+    air_microfacets microfacets;
+    float alpha_u, alpha_v;
+    float reflectance[3], transmittance[3]; /* factors on what is reflected by facets and let
+                                               through; [0,1], 1 by default */
+    float eta[3], absorption[3]; /* CONDUCTOR: complex index eta - i absorption, over that of the
+                                    outside; eta > 0, absorption >= 0 */
+    bool nonlinear; /* PLASTIC: light that is reflected inside takes the base's colour each time */
+    air_handle blend[2];             /* BLEND: materials, not blends themselves */
+    float blend_weight;              /* of the second, [0,1] */
+    air_texture_ref blend_texture;   /* R, a factor on it */
+    air_texture_ref opacity_texture; /* R, a factor on alpha */
+    air_texture_ref bump_texture;    /* R: height, metres after bump_scale, along the normal */
+    float bump_scale;
     air_alpha_mode alpha_mode;
     float alpha_cutoff;
     bool double_sided; /* emission leaves both sides; reflection always does */
@@ -79,8 +118,20 @@ AIR_API void air_material_desc_default(air_material_desc *desc);
 
 /* ---- meshes ---- */
 
+/* Quadrics are exact, of unit size before to_world, and have no vertices; normals point out, a
+ * disk's along +Z. Texture coordinates: angle about Z from X over a turn; and of the sphere the
+ * angle from +Z over pi, of the cylinder z, of the disk (first) the radius. */
+typedef enum air_shape {
+    AIR_SHAPE_TRIANGLES = 0,
+    AIR_SHAPE_SPHERE = 1,   /* x^2 + y^2 + z^2 = 1 */
+    AIR_SHAPE_CYLINDER = 2, /* x^2 + y^2 = 1, 0 <= z <= 1, open */
+    AIR_SHAPE_DISK = 3      /* x^2 + y^2 <= 1, z = 0 */
+} air_shape;
+
 typedef struct air_mesh_desc {
     const char *name;
+    air_shape shape;
+    bool flip_normals;      /* fronts are where normals point away from; default false */
     const float *positions; /* 3 per vertex, finite */
     const float *normals;   /* 3 per vertex, or NULL: face normals */
     const float
@@ -108,12 +159,34 @@ typedef enum air_camera_kind {
     AIR_CAMERA_ORTHOGRAPHIC = 1
 } air_camera_kind;
 
+typedef enum air_filter {
+    AIR_FILTER_BOX = 0,
+    AIR_FILTER_POINT = 1,
+    AIR_FILTER_TENT = 2,
+    AIR_FILTER_GAUSSIAN = 3,
+    AIR_FILTER_MITCHELL = 4 /* B = C = 1/3 [Mitchell1988] */
+} air_filter;
+AIR_API float air_filter_radius_default(air_filter filter); /* pixels */
+
+/* What a scene file asks of a camera's picture, for those who have no wish of their own. */
+typedef struct air_film_hint {
+    bool known;           /* default false, and the rest is not looked at */
+    size_t width, height; /* 1..65535 */
+    size_t crop[4];       /* x0, y0, x1, y1 */
+    uint32_t samples;     /* per pixel, >= 1 */
+    air_filter filter;
+    float filter_radius; /* pixels */
+} air_film_hint;
+
 typedef struct air_camera_desc {
     const char *name;
     air_camera_kind kind;
-    float to_world[12]; /* looks along its local -Z, +Y up; scale is ignored */
-    float fov_y_rad;    /* perspective: vertical field of view, (0, pi) */
-    float half_height;  /* orthographic: half of the height seen, metres */
+    float to_world[12];   /* looks along its local -Z, +Y up; scale is ignored */
+    float fov_y_rad;      /* perspective: vertical field of view, (0, pi) */
+    float half_height;    /* orthographic: half of the height seen, metres */
+    float lens_radius;    /* perspective: of a thin lens, metres; default 0: a pinhole */
+    float focus_distance; /* along -Z, metres, > 0; default 1 */
+    air_film_hint film;
     float aspect; /* width / height used when only one of both is given; 0 never occurs: default 4/3
                    */
 } air_camera_desc;
@@ -223,12 +296,19 @@ typedef struct air_load_params {
     int32_t scene_index; /* which glTF scene; -1: the file's default, or the first */
     int64_t frame; /* of grids whose file names hold #; default AIR_FRAME_NONE: there are none such.
                       air_scene_set_frame goes on from there */
+    /* Of Mitsuba's XML: values of $parameters, "name=value"; unknown elements and plugins are
+     * replaced, with a warning that says by what, instead of refused; files may lie outside the
+     * scene's folder. */
+    const char *const *defines;
+    size_t define_count;
+    bool lenient;
+    bool files_anywhere;
 } air_load_params;
 
 AIR_API void air_load_params_default(air_load_params *params);
 
-/* Loads a .gltf or .glb scene with what its sidecar says. On failure *out_scene is NULL and the
- * message names the file, the place (JSON path or byte) and what was expected. */
+/* Loads a .gltf, .glb or Mitsuba .xml scene with what its sidecar says. On failure *out_scene is
+ * NULL and the message names the file, the place (JSON path or byte) and what was expected. */
 AIR_API air_status air_scene_load(air_context *context, const char *path,
                                   const air_load_params *params, air_scene **out_scene);
 

@@ -114,6 +114,7 @@ static float filter_offset(const air_picture *picture, float u)
     const float radius = picture->params->filter_radius;
     switch (picture->params->filter) {
     case AIR_FILTER_POINT:
+    case AIR_FILTER_MITCHELL:
         return 0.0f;
     case AIR_FILTER_BOX:
         return (2.0f * u - 1.0f) * radius;
