@@ -51,9 +51,16 @@ static void make_meshes(room *self, air_ray_mesh meshes[2])
         }
     }
     memcpy(self->wall_indices, walls, sizeof walls);
-    meshes[0] =
-        (air_ray_mesh){self->sphere, SPHERE_VERTICES, self->sphere_indices, SPHERE_TRIANGLES, 1};
-    meshes[1] = (air_ray_mesh){self->walls, 8, self->wall_indices, 12, 1};
+    meshes[0] = (air_ray_mesh){.positions = self->sphere,
+                               .vertex_count = SPHERE_VERTICES,
+                               .indices = self->sphere_indices,
+                               .triangle_count = SPHERE_TRIANGLES,
+                               .mask = 1};
+    meshes[1] = (air_ray_mesh){.positions = self->walls,
+                               .vertex_count = 8,
+                               .indices = self->wall_indices,
+                               .triangle_count = 12,
+                               .mask = 1};
 }
 
 /* Scattered rays start and go anywhere; else each batch is a bundle as wide as a pixel of a

@@ -62,7 +62,11 @@ static air_ray_mesh make_sphere(void)
         }
     }
     assert_int_equal(count, SPHERE_TRIANGLES);
-    return (air_ray_mesh){sphere_positions, SPHERE_VERTICES, sphere_indices, SPHERE_TRIANGLES, 1};
+    return (air_ray_mesh){.positions = sphere_positions,
+                          .vertex_count = SPHERE_VERTICES,
+                          .indices = sphere_indices,
+                          .triangle_count = SPHERE_TRIANGLES,
+                          .mask = 1};
 }
 
 typedef struct box_mesh {
@@ -88,7 +92,11 @@ static air_ray_mesh make_box(box_mesh *box, float half, uint32_t mask)
         add_triangle(box->indices, &count, first, first + 1, first + 2);
         add_triangle(box->indices, &count, first, first + 2, first + 3);
     }
-    return (air_ray_mesh){box->positions, BOX_VERTICES, box->indices, 12, mask};
+    return (air_ray_mesh){.positions = box->positions,
+                          .vertex_count = BOX_VERTICES,
+                          .indices = box->indices,
+                          .triangle_count = 12,
+                          .mask = mask};
 }
 
 /* Separate random triangles in the unit cube. */
@@ -104,7 +112,11 @@ static air_ray_mesh make_soup(void)
             soup_indices[3 * i + k] = 3 * i + k;
         }
     }
-    return (air_ray_mesh){soup_positions, 3 * SOUP, soup_indices, SOUP, 1};
+    return (air_ray_mesh){.positions = soup_positions,
+                          .vertex_count = 3 * SOUP,
+                          .indices = soup_indices,
+                          .triangle_count = SOUP,
+                          .mask = 1};
 }
 
 /* ---- fixture ---- */

@@ -46,7 +46,8 @@ typedef struct air_ray {
 } air_ray;
 
 /* A hit. mesh is the index of the mesh in the order given to build, AIR_NO_HIT if nothing was met.
- * (u, v) are barycentrics of vertices 1 and 2; normal is the unnormalised (p1-p0) x (p2-p0). */
+ * (u, v) are barycentrics of vertices 1 and 2; normal is the unnormalised (p1-p0) x (p2-p0). Of a
+ * quadric: its texture coordinates, its normal of any length, and triangle 0. */
 typedef struct air_hit {
     float t;
     float u, v;
@@ -57,15 +58,25 @@ typedef struct air_hit {
 
 enum { AIR_NO_HIT = -1 }; /* compare as (uint32_t)AIR_NO_HIT */
 
-/* A triangle mesh handed to the backend: borrowed, must outlive the accelerator. positions: 3
- * floats per vertex, with one more float of padding readable behind the last. indices: 3 per
- * triangle. */
+/* What a mesh handed to the backend is made of; the quadrics as in air_shape (scene.h). */
+typedef enum air_ray_shape {
+    AIR_RAY_TRIANGLES = 0,
+    AIR_RAY_SPHERE = 1,
+    AIR_RAY_CYLINDER = 2,
+    AIR_RAY_DISK = 3
+} air_ray_shape;
+
+/* A mesh handed to the backend: borrowed, must outlive the accelerator. positions: 3 floats per
+ * vertex, with one more float of padding readable behind the last. indices: 3 per triangle. A
+ * quadric has neither, but to_world, 3 rows of 4. */
 typedef struct air_ray_mesh {
     const float *positions;
     size_t vertex_count;
     const uint32_t *indices;
     size_t triangle_count;
     uint32_t mask;
+    air_ray_shape shape;
+    const float *to_world;
 } air_ray_mesh;
 
 /* The ray backend: Embree by default. All queries are thread-safe on a built accelerator and

@@ -19,13 +19,15 @@
 #include <string.h>
 
 #include "core/host.h"
+#include "core/quadric.h"
 #include "core/vec.h"
 
 enum { ERROR_TEXT_SIZE = 256 };
 
 typedef struct accelerator {
     air_context *context;
-    air_ray_mesh *meshes; /* own copy; positions and indices are borrowed */
+    air_ray_mesh *meshes;  /* own copy; positions and indices are borrowed */
+    air_quadric *quadrics; /* by mesh, of those that are one */
     RTCDevice device;
     RTCScene scene;
     enum RTCError error; /* the first one while building */
@@ -103,6 +105,132 @@ static void intersect1_filtered(RTCScene scene, struct RTCRayHit *ray, query_con
 enum { SCENE_FLAG_FILTER = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION };
 #endif
 
+/* ---- quadrics ---- */
+
+/* In a ray's id: all hits are kept in the collection that the query's context is part of. */
+enum { RAY_PLAIN = 0, RAY_COLLECTS = 1 };
+
+static void collect_quadric(query_context *context, const air_hit *hit);
+
+/* Embree tests boxes with what is left of distances rounded to floats: a ray may pass beside the
+ * box of something small and far away. With a margin of a quarter of the size that begins some
+ * millions of sizes away. */
+static void bound_quadric(const struct RTCBoundsFunctionArguments *arguments)
+{
+    float low[3], high[3];
+    air_quadric_bounds(arguments->geometryUserPtr, low, high);
+    const float size = float_max(high[0] - low[0], float_max(high[1] - low[1], high[2] - low[2]));
+    float margin[3];
+    for (int i = 0; i < 3; i++) {
+        const float far = float_max(fabsf(low[i]), fabsf(high[i]));
+        margin[i] = 0.25f * size + 4.0f * FLT_EPSILON * far;
+    }
+    struct RTCBounds *out = arguments->bounds_o;
+    out->lower_x = low[0] - margin[0];
+    out->lower_y = low[1] - margin[1];
+    out->lower_z = low[2] - margin[2];
+    out->upper_x = high[0] + margin[0];
+    out->upper_y = high[1] + margin[1];
+    out->upper_z = high[2] + margin[2];
+}
+
+/* What Embree hands over: N rays, and hits behind them, as rows of N numbers in the order of the
+ * members of RTCRay and RTCHit. */
+enum packet_row {
+    ROW_ORIGIN = 0,
+    ROW_TNEAR = 3,
+    ROW_DIR = 4,
+    ROW_TFAR = 8,
+    ROW_ID = 10,
+    ROW_NORMAL = 12,
+    ROW_UV = 15,
+    ROW_PRIMITIVE = 17,
+    ROW_GEOMETRY = 18
+};
+
+/* Where ray i of a packet meets a quadric. */
+static size_t meet_quadric(const air_quadric *quadric, const void *packet, size_t n, size_t i,
+                           air_quadric_hit out[2])
+{
+    const float *rows = (const float *)packet + i;
+    float origin[3], dir[3];
+    for (size_t k = 0; k < 3; k++) {
+        origin[k] = rows[(ROW_ORIGIN + k) * n];
+        dir[k] = rows[(ROW_DIR + k) * n];
+    }
+    air_quadric_hit hits[2];
+    const size_t met = air_quadric_intersect(quadric, origin, dir, hits);
+    size_t count = 0;
+    for (size_t k = 0; k < met; k++) {
+        const float t = (float)hits[k].t;
+        if (t >= rows[ROW_TNEAR * n] && t <= rows[ROW_TFAR * n]) {
+            out[count++] = hits[k];
+        }
+    }
+    return count;
+}
+
+static void store_quadric_hit(const air_hit *hit, void *packet, size_t n, size_t i)
+{
+    float *rows = (float *)packet + i;
+    uint32_t *words = (uint32_t *)packet + i;
+    rows[ROW_TFAR * n] = hit->t;
+    for (size_t k = 0; k < 3; k++) {
+        rows[(ROW_NORMAL + k) * n] = hit->normal[k];
+    }
+    rows[ROW_UV * n] = hit->u;
+    rows[(ROW_UV + 1) * n] = hit->v;
+    words[ROW_PRIMITIVE * n] = hit->triangle;
+    words[ROW_GEOMETRY * n] = hit->mesh;
+}
+
+static air_hit quadric_hit(const air_quadric *quadric, const air_quadric_hit *at, uint32_t mesh)
+{
+    air_hit hit = {.t = (float)at->t, .mesh = mesh};
+    float uv[2];
+    air_quadric_uv(quadric->shape, at->local, uv);
+    hit.u = uv[0];
+    hit.v = uv[1];
+    vec3_store(hit.normal, air_quadric_normal(quadric, at->local));
+    return hit;
+}
+
+static void intersect_quadric(const struct RTCIntersectFunctionNArguments *arguments)
+{
+    const air_quadric *quadric = arguments->geometryUserPtr;
+    void *packet = arguments->rayhit;
+    const uint32_t *ids = (const uint32_t *)packet + ROW_ID * arguments->N;
+    for (size_t i = 0; i < arguments->N; i++) {
+        air_quadric_hit met[2];
+        if (arguments->valid[i] == 0) {
+            continue;
+        }
+        const size_t count = meet_quadric(quadric, packet, arguments->N, i, met);
+        const bool collects = ids[i] == RAY_COLLECTS;
+        for (size_t k = 0; k < count && (collects || k == 0); k++) {
+            const air_hit hit = quadric_hit(quadric, &met[k], arguments->geomID);
+            if (collects) {
+                collect_quadric(arguments->context, &hit);
+            } else {
+                store_quadric_hit(&hit, packet, arguments->N, i);
+            }
+        }
+    }
+}
+
+static void occlude_quadric(const struct RTCOccludedFunctionNArguments *arguments)
+{
+    const air_quadric *quadric = arguments->geometryUserPtr;
+    float *tfar = (float *)arguments->ray + ROW_TFAR * arguments->N;
+    for (size_t i = 0; i < arguments->N; i++) {
+        air_quadric_hit met[2];
+        if (arguments->valid[i] != 0 &&
+            meet_quadric(quadric, arguments->ray, arguments->N, i, met) > 0) {
+            tfar[i] = -INFINITY;
+        }
+    }
+}
+
 /* ---- building ---- */
 
 static void keep_build_error(void *user, enum RTCError error, const char *text)
@@ -151,19 +279,42 @@ static RTCDevice create_device(const air_context *context)
     return rtcNewDevice(config);
 }
 
-static void attach_mesh(accelerator *self, const air_ray_mesh *mesh, unsigned int index)
+static bool is_quadric(const air_ray_mesh *mesh) { return mesh->shape != AIR_RAY_TRIANGLES; }
+
+static void set_triangles(RTCGeometry geometry, const air_ray_mesh *mesh)
 {
-    if (mesh->triangle_count == 0) {
-        return; /* the other meshes keep their index as identity */
-    }
-    RTCGeometry geometry = rtcNewGeometry(self->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    if (geometry == NULL) {
-        return; /* reported through keep_build_error */
-    }
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                mesh->positions, 0, 3 * sizeof(float), mesh->vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->indices,
                                0, 3 * sizeof(uint32_t), mesh->triangle_count);
+}
+
+static void set_quadric(RTCGeometry geometry, air_quadric *quadric)
+{
+    rtcSetGeometryUserPrimitiveCount(geometry, 1);
+    rtcSetGeometryUserData(geometry, quadric);
+    rtcSetGeometryBoundsFunction(geometry, bound_quadric, NULL);
+    rtcSetGeometryIntersectFunction(geometry, intersect_quadric);
+    rtcSetGeometryOccludedFunction(geometry, occlude_quadric);
+}
+
+static void attach_mesh(accelerator *self, const air_ray_mesh *mesh, unsigned int index)
+{
+    air_quadric *quadric = &self->quadrics[index];
+    if (is_quadric(mesh) ? !air_quadric_make(mesh->shape, mesh->to_world, quadric)
+                         : mesh->triangle_count == 0) {
+        return; /* the other meshes keep their index as identity */
+    }
+    RTCGeometry geometry = rtcNewGeometry(
+        self->device, is_quadric(mesh) ? RTC_GEOMETRY_TYPE_USER : RTC_GEOMETRY_TYPE_TRIANGLE);
+    if (geometry == NULL) {
+        return; /* reported through keep_build_error */
+    }
+    if (is_quadric(mesh)) {
+        set_quadric(geometry, quadric);
+    } else {
+        set_triangles(geometry, mesh);
+    }
     rtcSetGeometryMask(geometry, mesh->mask);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(self->scene, geometry, index);
@@ -182,6 +333,7 @@ static void embree_destroy(void *pointer)
     if (self->device != NULL) {
         rtcReleaseDevice(self->device);
     }
+    air_free(self->context, self->quadrics);
     air_free(self->context, self->meshes);
     air_free(self->context, self);
 }
@@ -197,7 +349,8 @@ static air_status embree_build(void *user, air_context *context, const air_ray_m
     }
     self->context = context;
     self->meshes = air_allocate(context, mesh_count, sizeof *self->meshes);
-    if (self->meshes == NULL) {
+    self->quadrics = air_allocate(context, mesh_count, sizeof *self->quadrics);
+    if (self->meshes == NULL || self->quadrics == NULL) {
         status = air_fail_memory(context, "ray accelerator");
         goto cleanup;
     }
@@ -256,7 +409,7 @@ static inline void load_ray(const air_ray *ray, struct RTCRay *out)
     out->time = 0.0f;
     out->tfar = last_in(ray->tmax);
     out->mask = ray->mask;
-    out->id = 0;
+    out->id = RAY_PLAIN;
     out->flags = 0;
 }
 
@@ -305,7 +458,7 @@ static void load_packet(const air_ray *rays, size_t count, int valid[PACKET], st
         out->time[i] = 0.0f;
         out->tfar[i] = last_in(ray->tmax);
         out->mask[i] = ray->mask;
-        out->id[i] = 0;
+        out->id[i] = RAY_PLAIN;
         out->flags[i] = 0;
     }
 }
@@ -469,6 +622,9 @@ static bool is_same_crossing(const collection *all, const air_hit *a, const air_
     if (a->mesh != b->mesh) {
         return false;
     }
+    if (is_quadric(&all->accelerator->meshes[a->mesh])) {
+        return leaves(a, all->ray) == leaves(b, all->ray); /* a line crosses it once each way */
+    }
     if (a->triangle == b->triangle) {
         return true; /* a spatial split may present a triangle twice */
     }
@@ -508,8 +664,9 @@ static void keep_hit(collection *all, const air_hit *hit)
 
 static bool is_touch(const collection *all, const air_hit *a, const air_hit *b)
 {
-    return a->mesh == b->mesh && leaves(a, all->ray) != leaves(b, all->ray) &&
-           is_close(all, a, b) && count_shared_corners(all, a, b) > 0;
+    return a->mesh == b->mesh && !is_quadric(&all->accelerator->meshes[a->mesh]) &&
+           leaves(a, all->ray) != leaves(b, all->ray) && is_close(all, a, b) &&
+           count_shared_corners(all, a, b) > 0;
 }
 
 /* A ray that only touches an edge meets the triangle in front and the one behind, in an order that
@@ -535,6 +692,11 @@ static void drop_touches(collection *all)
     all->count = kept;
 }
 
+static void collect_quadric(query_context *context, const air_hit *hit)
+{
+    keep_hit((collection *)context, hit);
+}
+
 /* Keeps each hit and refuses it, so that the traversal goes on. Called for single rays only. */
 static void collect(const struct RTCFilterFunctionNArguments *arguments)
 {
@@ -554,6 +716,7 @@ static size_t embree_intersect_all(const void *pointer, const air_ray *ray, air_
     collection all = {.accelerator = self, .ray = ray, .hits = hits, .capacity = capacity};
     struct RTCRayHit query;
     load_ray(ray, &query.ray);
+    query.ray.id = RAY_COLLECTS;
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     intersect1_filtered(self->scene, &query, &all.context, collect);

@@ -175,8 +175,11 @@ static air_ray_mesh visible_mesh(const air_light *light, float *positions, uint3
         vec3_store(positions + 3 * i, light->triangles[i / 3][i % 3]);
         indices[i] = (uint32_t)i;
     }
-    return (air_ray_mesh){positions, 3 * light->triangle_count, indices, light->triangle_count,
-                          UINT32_MAX};
+    return (air_ray_mesh){.positions = positions,
+                          .vertex_count = 3 * light->triangle_count,
+                          .indices = indices,
+                          .triangle_count = light->triangle_count,
+                          .mask = UINT32_MAX};
 }
 
 static air_status build_visible(air_context *context, air_light_table *table)

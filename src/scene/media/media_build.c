@@ -284,8 +284,11 @@ static air_status build_accelerator(media_builder *builder)
     }
     for (size_t i = 0; i < count; i++) {
         air_topology *mesh = &builder->meshes[i];
-        media->boundary_meshes[i] = (air_ray_mesh){mesh->positions, mesh->vertex_count,
-                                                   mesh->indices, mesh->triangle_count, UINT32_MAX};
+        media->boundary_meshes[i] = (air_ray_mesh){.positions = mesh->positions,
+                                                   .vertex_count = mesh->vertex_count,
+                                                   .indices = mesh->indices,
+                                                   .triangle_count = mesh->triangle_count,
+                                                   .mask = UINT32_MAX};
         *mesh = (air_topology){0};
     }
     return media->backend->build(media->backend->user, builder->context, media->boundary_meshes,

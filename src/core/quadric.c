@@ -1,0 +1,289 @@
+#include "core/quadric.h"
+
+#include <float.h>
+
+#include "core/triple.h"
+
+/* ---- maps ---- */
+
+static void multiply(const double m[9], const double v[3], double out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = m[3 * i] * v[0] + m[3 * i + 1] * v[1] + m[3 * i + 2] * v[2];
+    }
+}
+
+static void multiply_transposed(const double m[9], const double v[3], double out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = m[i] * v[0] + m[i + 3] * v[1] + m[i + 6] * v[2];
+    }
+}
+
+/* The inverse by cofactors; returns the determinant. */
+static double invert(const double m[9], double out[9])
+{
+    for (int i = 0; i < 3; i++) {
+        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+        for (int k = 0; k < 3; k++) {
+            const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+            out[3 * k + i] = m[3 * i1 + k1] * m[3 * i2 + k2] - m[3 * i1 + k2] * m[3 * i2 + k1];
+        }
+    }
+    const double determinant = m[0] * out[0] + m[1] * out[3] + m[2] * out[6];
+    for (int i = 0; i < 9; i++) {
+        out[i] /= determinant;
+    }
+    return determinant;
+}
+
+bool air_quadric_make(air_ray_shape shape, const float to_world[12], air_quadric *out)
+{
+    bool sound = shape == AIR_RAY_SPHERE || shape == AIR_RAY_CYLINDER || shape == AIR_RAY_DISK;
+    air_quadric quadric = {.shape = shape};
+    for (int i = 0; i < 12; i++) {
+        quadric.to_world[i] = to_world[i];
+        sound = sound && isfinite(to_world[i]);
+    }
+    for (int i = 0; i < 9; i++) {
+        quadric.linear[i] = (double)to_world[4 * (i / 3) + i % 3];
+    }
+    quadric.determinant = invert(quadric.linear, quadric.inverse);
+    for (int i = 0; i < 9; i++) {
+        sound = sound && isfinite(quadric.inverse[i]);
+    }
+    if (sound) {
+        *out = quadric;
+    }
+    return sound;
+}
+
+void air_quadric_to_local(const air_quadric *quadric, const double point[3], double out[3])
+{
+    double from_center[3];
+    for (int i = 0; i < 3; i++) {
+        from_center[i] = point[i] - (double)quadric->to_world[4 * i + 3];
+    }
+    multiply(quadric->inverse, from_center, out);
+}
+
+void air_quadric_dir_to_local(const air_quadric *quadric, const double dir[3], double out[3])
+{
+    multiply(quadric->inverse, dir, out);
+}
+
+void air_quadric_dir_to_world(const air_quadric *quadric, const double local[3], double out[3])
+{
+    multiply(quadric->linear, local, out);
+}
+
+air_vec3 air_quadric_to_world(const air_quadric *quadric, const double local[3])
+{
+    double p[3];
+    multiply(quadric->linear, local, p);
+    const float *m = quadric->to_world;
+    return vec3((float)(p[0] + (double)m[3]), (float)(p[1] + (double)m[7]),
+                (float)(p[2] + (double)m[11]));
+}
+
+/* ---- intersection ---- */
+
+/* How many of the first coordinates count in the sum of squares that is 1. */
+static int round_axes(air_ray_shape shape) { return shape == AIR_RAY_SPHERE ? 3 : 2; }
+
+static double partial_dot(const double a[3], const double b[3], int axes)
+{
+    double sum = 0.0;
+    for (int i = 0; i < axes; i++) {
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
+
+/* From the line's point nearest to the centre (or axis), where half the chord is sqrt(1 - r^2): b^2
+ * - 4ac would lose all digits of a sphere far away. */
+static size_t meet_round(air_ray_shape shape, const double origin[3], const double dir[3],
+                         air_quadric_hit out[2])
+{
+    const int axes = round_axes(shape);
+    const double dd = partial_dot(dir, dir, axes);
+    double foot[3];
+    if (!(dd > 0.0)) {
+        return 0;
+    }
+    const double nearest = -partial_dot(origin, dir, axes) / dd;
+    air_along3(origin, nearest, dir, foot);
+    const double rest = 1.0 - partial_dot(foot, foot, axes);
+    if (!(rest >= 0.0)) {
+        return 0;
+    }
+    const double half = sqrt(rest / dd);
+    size_t count = 0;
+    for (int side = -1; side <= 1; side += 2) {
+        air_quadric_hit *hit = &out[count];
+        hit->t = nearest + (double)side * half;
+        air_along3(foot, (double)side * half, dir, hit->local);
+        const double z = hit->local[2];
+        count += shape == AIR_RAY_SPHERE || (z >= 0.0 && z <= 1.0) ? 1 : 0;
+    }
+    return count;
+}
+
+static size_t meet_disk(const double origin[3], const double dir[3], air_quadric_hit *out)
+{
+    if (dir[2] == 0.0) {
+        return 0;
+    }
+    out->t = -origin[2] / dir[2];
+    air_along3(origin, out->t, dir, out->local);
+    out->local[2] = 0.0;
+    return partial_dot(out->local, out->local, 2) <= 1.0 ? 1 : 0;
+}
+
+size_t air_quadric_meet(air_ray_shape shape, const double origin[3], const double dir[3],
+                        air_quadric_hit out[2])
+{
+    return shape == AIR_RAY_DISK ? meet_disk(origin, dir, out)
+                                 : meet_round(shape, origin, dir, out);
+}
+
+size_t air_quadric_intersect(const air_quadric *quadric, const float origin[3], const float dir[3],
+                             air_quadric_hit out[2])
+{
+    const double o[3] = {(double)origin[0], (double)origin[1], (double)origin[2]};
+    const double d[3] = {(double)dir[0], (double)dir[1], (double)dir[2]};
+    double local_o[3], local_d[3];
+    air_quadric_to_local(quadric, o, local_o);
+    multiply(quadric->inverse, d, local_d);
+    return air_quadric_meet(quadric->shape, local_o, local_d, out);
+}
+
+/* ---- places ---- */
+
+/* The angle about Z over a turn, in [0, 1]. */
+static double turn_of(const double local[3])
+{
+    const double turn = atan2(local[1], local[0]) / (2.0 * AIR_PI);
+    return turn < 0.0 ? turn + 1.0 : turn;
+}
+
+void air_quadric_uv(air_ray_shape shape, const double local[3], float out_uv[2])
+{
+    const double radius = sqrt(local[0] * local[0] + local[1] * local[1]);
+    const float turn = (float)turn_of(local);
+    if (shape == AIR_RAY_DISK) {
+        out_uv[0] = (float)radius;
+        out_uv[1] = turn;
+        return;
+    }
+    out_uv[0] = turn;
+    out_uv[1] =
+        shape == AIR_RAY_SPHERE ? (float)(atan2(radius, local[2]) / AIR_PI) : (float)local[2];
+}
+
+void air_quadric_place(air_ray_shape shape, float u, float v, double out_local[3])
+{
+    const double angle = 2.0 * AIR_PI * (double)(shape == AIR_RAY_DISK ? v : u);
+    double radius = 1.0, z = (double)v;
+    if (shape == AIR_RAY_SPHERE) {
+        radius = sin(AIR_PI * (double)v);
+        z = cos(AIR_PI * (double)v);
+    } else if (shape == AIR_RAY_DISK) {
+        radius = (double)u;
+        z = 0.0;
+    }
+    out_local[0] = radius * cos(angle);
+    out_local[1] = radius * sin(angle);
+    out_local[2] = z;
+}
+
+void air_quadric_local_normal(air_ray_shape shape, const double local[3], double out[3])
+{
+    out[0] = shape == AIR_RAY_DISK ? 0.0 : local[0];
+    out[1] = shape == AIR_RAY_DISK ? 0.0 : local[1];
+    out[2] = shape == AIR_RAY_DISK ? 1.0 : shape == AIR_RAY_SPHERE ? local[2] : 0.0;
+    const double length = air_length3(out);
+    for (int i = 0; i < 3; i++) {
+        out[i] /= length;
+    }
+}
+
+air_vec3 air_quadric_normal(const air_quadric *quadric, const double local[3])
+{
+    double n[3], world[3];
+    air_quadric_local_normal(quadric->shape, local, n);
+    multiply_transposed(quadric->inverse, n, world);
+    const double length = air_length3(world);
+    return vec3((float)(world[0] / length), (float)(world[1] / length), (float)(world[2] / length));
+}
+
+air_vec3 air_quadric_along_turn(const air_quadric *quadric, const double local[3])
+{
+    const double along[3] = {-local[1], local[0], 0.0};
+    double world[3];
+    multiply(quadric->linear, along, world);
+    return vec3((float)world[0], (float)world[1], (float)world[2]);
+}
+
+/* ---- area ---- */
+
+/* A map of determinant D takes the area element n dA to D A^-T n dA. */
+double air_quadric_stretch(const air_quadric *quadric, const double local[3])
+{
+    double n[3], mapped[3];
+    air_quadric_local_normal(quadric->shape, local, n);
+    multiply_transposed(quadric->inverse, n, mapped);
+    return fabs(quadric->determinant) * air_length3(mapped);
+}
+
+double air_quadric_local_area(air_ray_shape shape)
+{
+    return shape == AIR_RAY_SPHERE     ? 4.0 * AIR_PI
+           : shape == AIR_RAY_CYLINDER ? 2.0 * AIR_PI
+                                       : AIR_PI;
+}
+
+/* The mean stretch over places even in local area: exact where the map keeps shapes, which most
+ * do; else by the midpoint rule, which converges fast in the angle about Z. */
+double air_quadric_area(const air_quadric *quadric)
+{
+    enum { TURNS = 64, HEIGHTS = 256 };
+    double sum = 0.0;
+    for (int i = 0; i < TURNS * HEIGHTS; i++) {
+        double local[3];
+        air_quadric_sample(quadric->shape, ((float)(i / TURNS) + 0.5f) / HEIGHTS,
+                           ((float)(i % TURNS) + 0.5f) / TURNS, local);
+        sum += air_quadric_stretch(quadric, local);
+    }
+    return air_quadric_local_area(quadric->shape) * sum / (TURNS * HEIGHTS);
+}
+
+void air_quadric_sample(air_ray_shape shape, float u1, float u2, double out_local[3])
+{
+    const double angle = 2.0 * AIR_PI * (double)u2;
+    double radius = 1.0, z = (double)u1;
+    if (shape == AIR_RAY_SPHERE) {
+        z = 1.0 - 2.0 * (double)u1;
+        radius = 2.0 * sqrt((double)u1 * (1.0 - (double)u1));
+    } else if (shape == AIR_RAY_DISK) {
+        radius = sqrt((double)u1);
+        z = 0.0;
+    }
+    out_local[0] = radius * cos(angle);
+    out_local[1] = radius * sin(angle);
+    out_local[2] = z;
+}
+
+/* ---- bounds ---- */
+
+void air_quadric_bounds(const air_quadric *quadric, float out_min[3], float out_max[3])
+{
+    for (int i = 0; i < 3; i++) {
+        const double *row = quadric->linear + 3 * i;
+        const double center = (double)quadric->to_world[4 * i + 3];
+        const double reach = sqrt(partial_dot(row, row, round_axes(quadric->shape)));
+        const double along = quadric->shape == AIR_RAY_CYLINDER ? row[2] : 0.0;
+        out_min[i] = nextafterf((float)(center + fmin(along, 0.0) - reach), -FLT_MAX);
+        out_max[i] = nextafterf((float)(center + fmax(along, 0.0) + reach), FLT_MAX);
+    }
+}
