@@ -173,7 +173,7 @@ static void samples_agree_with_the_lookups(void **state)
         assert_true(fabsf(vec3_length(point.dir) - 1.0f) < 1e-6f);
         assert_true(air_light_connect(&table, &point, vec3(4.0f, 5.0f, 6.0f), &c));
         const air_vec3 radiance = air_environment_radiance(&table.entries[0], c.dir);
-        const float pdf = air_light_hit_pdf(&table, 0, c.dir, INFINITY);
+        const float pdf = air_light_hit_pdf(&table, 0, vec3_set1(0.0f), c.dir, INFINITY);
         /* Rounding of the direction, 2^-22, moves it by 32 2^-22 / (2 pi cos(latitude)) texels, of
          * which one changes radiance by up to 50; twice that is allowed, and for the density, which
          * falls with the latitude, the same of it. */

@@ -213,7 +213,7 @@ static void density_of_a_hit_is_that_of_the_connection(void **state)
         const float v1 = air_rng_float(&rng);
         const air_vec3 from = vec3_scale(sample_sphere(v1, air_rng_float(&rng)), 5.0f);
         if (air_light_connect(&table, &point, from, &c)) {
-            assert_true(air_light_hit_pdf(&table, 0, c.dir, c.distance) == c.pdf);
+            assert_true(air_light_hit_pdf(&table, 0, vec3_set1(0.0f), c.dir, c.distance) == c.pdf);
         }
     }
     air_light_table_finish(*state, &table);

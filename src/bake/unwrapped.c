@@ -6,6 +6,7 @@
 #include "atlas/pack.h"
 #include "atlas/triangle.h"
 #include "atlas/unwrap.h"
+#include "scene/mesh.h"
 #include "scene/surface.h"
 
 /* ---- the mesh's own coordinates ---- */
@@ -195,6 +196,13 @@ air_status air_mesh_coordinates(air_context *context, const air_snapshot *snapsh
     out->name = air_string_copy(context, mesh->name);
     if (out->name == NULL) {
         return air_fail_memory(context, mesh->name);
+    }
+    if (mesh->quadric != NULL) {
+        air_warn(context,
+                 "bake: mesh %zu \"%s\" is a %s, not triangles: it gets no lightmap, but takes "
+                 "part in the light of the others",
+                 index, mesh->name, air_shape_name((air_shape)mesh->quadric->shape));
+        return AIR_OK;
     }
     if (snapshot->materials[mesh->material].unlit || mesh->triangle_count == 0) {
         return AIR_OK;

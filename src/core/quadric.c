@@ -217,12 +217,33 @@ air_vec3 air_quadric_normal(const air_quadric *quadric, const double local[3])
     return vec3((float)(world[0] / length), (float)(world[1] / length), (float)(world[2] / length));
 }
 
-air_vec3 air_quadric_along_turn(const air_quadric *quadric, const double local[3])
+static air_vec3 dir_to_world(const air_quadric *quadric, double x, double y, double z)
 {
-    const double along[3] = {-local[1], local[0], 0.0};
+    const double local[3] = {x, y, z};
     double world[3];
-    multiply(quadric->linear, along, world);
+    multiply(quadric->linear, local, world);
     return vec3((float)world[0], (float)world[1], (float)world[2]);
+}
+
+void air_quadric_slopes(const air_quadric *quadric, float u, float v, air_vec3 *out_by_u,
+                        air_vec3 *out_by_v)
+{
+    const bool disk = quadric->shape == AIR_RAY_DISK;
+    const double turn = 2.0 * AIR_PI, angle = turn * (double)(disk ? v : u);
+    const double c = cos(angle), s = sin(angle), polar = AIR_PI * (double)v;
+    double radius = 1.0;
+    if (disk) {
+        radius = (double)u;
+        *out_by_u = dir_to_world(quadric, c, s, 0.0);
+    } else if (quadric->shape == AIR_RAY_SPHERE) {
+        radius = sin(polar);
+        *out_by_v = dir_to_world(quadric, AIR_PI * cos(polar) * c, AIR_PI * cos(polar) * s,
+                                 -AIR_PI * radius);
+    } else {
+        *out_by_v = dir_to_world(quadric, 0.0, 0.0, 1.0);
+    }
+    *(disk ? out_by_v : out_by_u) =
+        dir_to_world(quadric, -turn * radius * s, turn * radius * c, 0.0);
 }
 
 /* ---- area ---- */

@@ -49,8 +49,10 @@ void air_quadric_place(air_ray_shape shape, float u, float v, double out_local[3
 void air_quadric_local_normal(air_ray_shape shape, const double local[3], double out[3]);
 air_vec3 air_quadric_normal(const air_quadric *quadric, const double local[3]);
 
-/* The way that texture coordinates turn about Z, in the world; zero on the axis. */
-air_vec3 air_quadric_along_turn(const air_quadric *quadric, const double local[3]);
+/* How the place in the world moves with u and with v; not by u at the poles of a sphere, nor by v
+ * in the middle of a disk. */
+void air_quadric_slopes(const air_quadric *quadric, float u, float v, air_vec3 *out_by_u,
+                        air_vec3 *out_by_v);
 
 /* Area in the world over local area, at a place. */
 double air_quadric_stretch(const air_quadric *quadric, const double local[3]);

@@ -76,16 +76,17 @@ void path_add_surface_emission(const air_path *path, const path_walk *walk, cons
         return;
     }
     if (surface->emitter != UINT32_MAX) {
-        weight =
-            hit_weight(path, walk, surface->emitter,
-                       air_light_hit_pdf(lights, surface->emitter, vec3_load(ray->dir), hit->t));
+        weight = hit_weight(path, walk, surface->emitter,
+                            air_light_hit_pdf(path_lights(path, walk->depth, walk->from_surface),
+                                              surface->emitter, vec3_load(ray->origin),
+                                              vec3_load(ray->dir), hit->t));
     }
     add(lane, walk, term, vec3_scale(vec3_mul(transmittance, surface->emission), weight));
 }
 
 /* The radiance of one polygon light that the ray crosses at t. */
 static void add_polygon_light(const air_path *path, const path_walk *walk, uint32_t entry,
-                              air_vec3 dir, float t, const air_ray_media *media,
+                              air_vec3 from, air_vec3 dir, float t, const air_ray_media *media,
                               air_path_lane *lane)
 {
     const air_light_table *lights = &path->snapshot->lights;
@@ -97,7 +98,8 @@ static void add_polygon_light(const air_path *path, const path_walk *walk, uint3
         return;
     }
     air_rng rng = path_ray_rng(lane, walk, 0x30000u);
-    const float weight = hit_weight(path, walk, entry, air_light_hit_pdf(lights, entry, dir, t));
+    const float weight =
+        hit_weight(path, walk, entry, air_light_hit_pdf(lights, entry, from, dir, t));
     const air_vec3 transmittance = air_track_transmittance(media, t, &rng);
     add(lane, walk, term, vec3_scale(vec3_mul(transmittance, radiance), weight));
 }
@@ -118,7 +120,7 @@ void path_add_polygon_lights(const air_path *path, const path_walk *walk, const 
         count = path->rays->intersect_all(lights->visible_accelerator, &polygon_ray, hits, MOST);
         for (size_t i = 0; i < count; i++) {
             add_polygon_light(path, walk, lights->visible_entries[hits[i].mesh],
-                              vec3_load(ray->dir), hits[i].t, media, lane);
+                              vec3_load(ray->origin), vec3_load(ray->dir), hits[i].t, media, lane);
             polygon_ray.tmin = hits[i].t;
         }
     }

@@ -98,6 +98,20 @@ bool path_attenuate(const air_path *path, air_path_scratch *scratch, const air_r
     return scratch->media.closed;
 }
 
+/* From a surface rays start beside the place that the connection was made for, which at the rim of
+ * a sphere is enough to meet it far before: the ray is aimed anew at where the connection ends. */
+static void aim_anew(const path_vertex *vertex, const air_connection *connection, air_ray *ray)
+{
+    const air_vec3 end =
+        vec3_madd(vertex->at.surface.position, connection->distance, connection->dir);
+    const air_vec3 way = vec3_sub(end, vec3_load(ray->origin));
+    const float length = vec3_length(way);
+    if (length > 0.0f) {
+        vec3_store(ray->dir, vec3_scale(way, 1.0f / length));
+        ray->tmax = length;
+    }
+}
+
 air_ray path_shadow_ray(const path_vertex *vertex, const air_connection *connection,
                         const air_light_point *light)
 {
@@ -110,6 +124,9 @@ air_ray path_shadow_ray(const path_vertex *vertex, const air_connection *connect
     vec3_store(ray.dir, connection->dir);
     /* Short of area lights by more than their own triangles' rounding. */
     ray.tmax = isinf(connection->distance) ? FLT_MAX : connection->distance;
+    if (light->curved && vertex->on_surface) {
+        aim_anew(vertex, connection, &ray);
+    }
     if (!light->delta && !light->infinite) {
         ray.tmax *= 0.9999f;
     }

@@ -81,6 +81,8 @@ static air_status choose_lights(air_path *path, bool first, bool on_surface)
     size_t asked = 0;
     float total = 0.0f, sum = 0.0f;
     *out = *lights;
+    /* responses follow the way to the light point itself */
+    out->spheres_by_sight = path->settings.respond.patch == NULL;
     for (size_t i = 0; i < lights->count; i++) {
         if (is_asked(path, i, first, on_surface)) {
             total += air_light_pick_probability(lights, (uint32_t)i);

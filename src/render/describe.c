@@ -6,6 +6,7 @@
 
 #include "airlight/render.h"
 #include "scene/media/grid.h"
+#include "scene/mesh.h"
 #include "scene/snapshot.h"
 
 /* ---- values ---- */
@@ -82,7 +83,11 @@ static json_t *describe_meshes(const air_snapshot *snapshot)
         const air_mesh *mesh = snapshot->meshes[i];
         json_t *object = json_object();
         json_object_set_new(object, "name", string(mesh->name));
-        json_object_set_new(object, "triangles", integer(mesh->triangle_count));
+        if (mesh->quadric == NULL)
+            json_object_set_new(object, "triangles", integer(mesh->triangle_count));
+        else
+            json_object_set_new(object, "shape",
+                                json_string(air_shape_name((air_shape)mesh->quadric->shape)));
         set_if(object, mesh->material > 0, "material",
                string(snapshot->materials[mesh->material].name));
         set_if(object, mesh->first_emitter != UINT32_MAX, "emits", json_true());

@@ -65,7 +65,7 @@ static uint32_t mesh_dirty(const air_mesh_record *a, const air_mesh_record *b)
     if (a == b)
         return dirty;
     if (a->camera_visible != b->camera_visible || a->casts_shadow != b->casts_shadow ||
-        !air_geometry_equal(a->geometry, b->geometry))
+        a->flip_normals != b->flip_normals || !air_geometry_equal(a->geometry, b->geometry))
         dirty |= AIR_DIRTY_GEOMETRY;
     else if (!air_mesh_place_equal(a, b))
         dirty |= AIR_DIRTY_TRANSFORM;

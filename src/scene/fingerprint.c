@@ -42,6 +42,13 @@ static uint64_t add_mesh(uint64_t hash, const air_mesh *mesh)
     hash = add_array(hash, mesh->uv[1], 2 * vertices * sizeof(float));
     hash = add_array(hash, mesh->colors, 4 * vertices * sizeof(float));
     hash = add_array(hash, mesh->indices, 3 * mesh->triangle_count * sizeof(uint32_t));
+    if (mesh->quadric != NULL) {
+        hash = ADD(hash, mesh->quadric->shape);
+        hash = ADD(hash, mesh->quadric->to_world);
+    }
+    if (mesh->flip) {
+        hash = add_flags(hash, mesh->flip, false, false);
+    }
     hash = ADD(hash, mesh->material);
     return ADD(hash, mesh->mask);
 }

@@ -16,6 +16,12 @@ void air_mesh_desc_default(air_mesh_desc *desc)
     memcpy(desc->to_world, identity, sizeof identity);
 }
 
+const char *air_shape_name(air_shape shape)
+{
+    static const char *const names[] = {"triangles", "sphere", "cylinder", "disk"};
+    return names[shape];
+}
+
 /* ---- checking ---- */
 
 static air_status check_attribute(const air_subject *subject, const char *field,
@@ -42,9 +48,24 @@ static air_status check_indices(const air_subject *subject, const air_mesh_desc 
     return AIR_OK;
 }
 
+static air_status check_quadric(const air_subject *subject, const air_mesh_desc *desc)
+{
+    if (desc->vertex_count > 0 || desc->triangle_count > 0)
+        return air_subject_fail(subject,
+                                "is a %s and has %zu vertices and %zu triangles, but must have "
+                                "none of either",
+                                air_shape_name(desc->shape), desc->vertex_count,
+                                desc->triangle_count);
+    return air_subject_check_map(subject, "to_world", desc->to_world);
+}
+
 static air_status check_mesh(air_context *context, const air_mesh_desc *desc)
 {
     const air_subject subject = {context, "mesh", desc->name};
+    const air_status known =
+        air_subject_check_enum(&subject, "shape", (int)desc->shape, AIR_SHAPE_DISK + 1);
+    if (known != AIR_OK || desc->shape != AIR_SHAPE_TRIANGLES)
+        return known != AIR_OK ? known : check_quadric(&subject, desc);
     const struct {
         const char *field;
         const float *values;
@@ -96,6 +117,7 @@ static air_status create_geometry(air_context *context, const air_mesh_desc *des
         return AIR_ERROR_MEMORY;
     const size_t n = desc->vertex_count;
     bool ok = true;
+    geometry->shape = desc->shape;
     geometry->vertex_count = n;
     geometry->triangle_count = desc->triangle_count;
     geometry->positions = allocate_positions(context, n);
@@ -110,7 +132,8 @@ static air_status create_geometry(air_context *context, const air_mesh_desc *des
         air_record_release(&geometry->base);
         return air_fail_memory(context, "mesh");
     }
-    memcpy(geometry->positions, desc->positions, n * 3 * sizeof(float));
+    if (n > 0)
+        memcpy(geometry->positions, desc->positions, n * 3 * sizeof(float));
     *out_geometry = geometry;
     return AIR_OK;
 }
@@ -118,7 +141,8 @@ static air_status create_geometry(air_context *context, const air_mesh_desc *des
 /* The arrays of a geometry as a description, to be compared with one. */
 static air_mesh_desc geometry_desc(const air_geometry *geometry)
 {
-    return (air_mesh_desc){.positions = geometry->positions,
+    return (air_mesh_desc){.shape = geometry->shape,
+                           .positions = geometry->positions,
                            .normals = geometry->normals,
                            .tangents = geometry->tangents,
                            .uv = {geometry->uv[0], geometry->uv[1]},
@@ -131,6 +155,10 @@ static air_mesh_desc geometry_desc(const air_geometry *geometry)
 static bool arrays_equal(const air_mesh_desc *a, const air_mesh_desc *b)
 {
     const size_t row = a->vertex_count * sizeof(float);
+    if (a->shape != b->shape)
+        return false;
+    if (a->shape != AIR_SHAPE_TRIANGLES)
+        return true;
     return a->vertex_count == b->vertex_count && a->triangle_count == b->triangle_count &&
            air_bytes_equal(a->positions, b->positions, 3 * row) &&
            air_bytes_equal(a->normals, b->normals, 3 * row) &&
@@ -193,6 +221,7 @@ air_status air_mesh_record_create(air_context *context, const air_mesh_desc *des
     record->node = desc->node;
     record->primitive = desc->primitive;
     record->casts_shadow = desc->casts_shadow;
+    record->flip_normals = desc->flip_normals;
     if (previous != NULL)
         share_with_previous(desc, previous, record);
     if (record->geometry == NULL)
@@ -302,6 +331,36 @@ static air_status place_arrays(const air_mesh_record *record, air_world_mesh *wo
     return AIR_OK;
 }
 
+static air_status place_quadric(const air_mesh_record *record, air_world_mesh *world)
+{
+    const air_subject subject = {record->base.context, "mesh", record->base.name};
+    /* the values of the two enums are the same */
+    if (!air_quadric_make((air_ray_shape)record->geometry->shape, record->to_world,
+                          &world->quadric))
+        return air_subject_fail(&subject, "to_world is singular");
+    air_quadric_bounds(&world->quadric, world->bounds_min, world->bounds_max);
+    if (!vec3_is_finite(vec3_load(world->bounds_min)) ||
+        !vec3_is_finite(vec3_load(world->bounds_max)))
+        return air_subject_fail(&subject, "to_world moves it beyond what a float can hold");
+    return AIR_OK;
+}
+
+static air_status place_triangles(const air_mesh_record *record, air_world_mesh *world)
+{
+    air_status status = AIR_OK;
+    if (memcmp(record->to_world, identity, sizeof identity) == 0) {
+        world->borrowed = true;
+        world->positions = record->geometry->positions;
+        world->normals = record->geometry->normals;
+        world->tangents = record->geometry->tangents;
+    } else {
+        status = place_arrays(record, world);
+    }
+    if (status == AIR_OK)
+        measure_bounds(world);
+    return status;
+}
+
 air_status air_mesh_record_place(air_mesh_record *record)
 {
     if (record->world != NULL)
@@ -312,19 +371,13 @@ air_status air_mesh_record_place(air_mesh_record *record)
         return AIR_ERROR_MEMORY;
     air_record_retain(&record->geometry->base);
     world->geometry = record->geometry;
-    if (memcmp(record->to_world, identity, sizeof identity) == 0) {
-        world->borrowed = true;
-        world->positions = record->geometry->positions;
-        world->normals = record->geometry->normals;
-        world->tangents = record->geometry->tangents;
-    } else {
-        const air_status status = place_arrays(record, world);
-        if (status != AIR_OK) {
-            air_record_release(&world->base);
-            return status;
-        }
+    const air_status status = record->geometry->shape == AIR_SHAPE_TRIANGLES
+                                  ? place_triangles(record, world)
+                                  : place_quadric(record, world);
+    if (status != AIR_OK) {
+        air_record_release(&world->base);
+        return status;
     }
-    measure_bounds(world);
     record->world = world;
     return AIR_OK;
 }
@@ -340,7 +393,9 @@ void air_mesh_init(const air_mesh_record *record, uint32_t material_index,
     if (record->casts_shadow)
         mask |= material->alpha_mode == AIR_ALPHA_OPAQUE ? AIR_MASK_SHADOW_OPAQUE
                                                          : AIR_MASK_SHADOW_ALPHA;
+    const bool quadric = geometry->shape != AIR_SHAPE_TRIANGLES;
     *out_mesh = (air_mesh){.name = record->base.name,
+                           .quadric = quadric ? &world->quadric : NULL,
                            .positions = world->positions,
                            .normals = world->normals,
                            .tangents = world->tangents,
@@ -352,7 +407,7 @@ void air_mesh_init(const air_mesh_record *record, uint32_t material_index,
                            .material = material_index,
                            .mask = mask,
                            .first_emitter = UINT32_MAX,
-                           .flip = world->flip,
+                           .flip = world->flip != record->flip_normals,
                            .node = record->node,
                            .primitive = record->primitive};
 }

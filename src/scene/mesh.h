@@ -2,12 +2,14 @@
 #ifndef AIR_SCENE_MESH_H
 #define AIR_SCENE_MESH_H
 
+#include "core/quadric.h"
 #include "scene/record.h"
 #include "scene/snapshot.h"
 
-/* The arrays of a mesh description, in the mesh's own space. */
+/* The shape of a mesh description, and its arrays, in the mesh's own space; quadrics have none. */
 typedef struct air_geometry {
     air_record base;
+    air_shape shape;
     float *positions; /* one float of padding */
     float *normals, *tangents, *uv[2], *colors;
     size_t vertex_count;
@@ -21,8 +23,9 @@ typedef struct air_world_mesh {
     air_record base;
     air_geometry *geometry; /* retained */
     float *positions, *normals, *tangents;
-    bool borrowed; /* the arrays are the geometry's */
-    bool flip;     /* to_world mirrors */
+    bool borrowed;       /* the arrays are the geometry's */
+    bool flip;           /* to_world mirrors; of no matter to quadrics, whose normals point out */
+    air_quadric quadric; /* of a geometry that is one */
     float bounds_min[3], bounds_max[3];
 } air_world_mesh;
 
@@ -32,9 +35,12 @@ typedef struct air_mesh_record {
     air_world_mesh *world; /* retained; NULL until a commit first needs it, constant from then on */
     float to_world[12];
     air_handle material;
-    bool camera_visible, casts_shadow;
+    bool camera_visible, casts_shadow, flip_normals;
     int32_t node, primitive;
 } air_mesh_record;
+
+/* "sphere", as in messages. */
+const char *air_shape_name(air_shape shape);
 
 /* Checks and copies a description; the material handle is not looked at. Arrays that are the same
  * as those of `previous` (may be NULL) are shared with it. */

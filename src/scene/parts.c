@@ -28,11 +28,14 @@ static void destroy_accelerator(air_record *record)
 
 static air_ray_mesh ray_mesh(const air_mesh *mesh)
 {
+    const air_quadric *quadric = mesh->quadric;
     return (air_ray_mesh){.positions = mesh->positions,
                           .vertex_count = mesh->vertex_count,
                           .indices = mesh->indices,
                           .triangle_count = mesh->triangle_count,
-                          .mask = mesh->mask};
+                          .mask = mesh->mask,
+                          .shape = quadric != NULL ? quadric->shape : AIR_RAY_TRIANGLES,
+                          .to_world = quadric != NULL ? quadric->to_world : NULL};
 }
 
 /* Was the part built from these very arrays and masks? */
@@ -41,8 +44,10 @@ static bool accelerator_fits(const air_accelerator_part *part, const air_mesh *m
     if (part == NULL || part->count != count)
         return false;
     for (size_t i = 0; i < count; ++i) {
-        if (part->meshes[i].positions != meshes[i].positions ||
-            part->meshes[i].indices != meshes[i].indices || part->meshes[i].mask != meshes[i].mask)
+        const air_ray_mesh mesh = ray_mesh(&meshes[i]);
+        if (part->meshes[i].positions != mesh.positions ||
+            part->meshes[i].indices != mesh.indices || part->meshes[i].to_world != mesh.to_world ||
+            part->meshes[i].mask != mesh.mask)
             return false;
     }
     return true;

@@ -29,8 +29,8 @@ void air_shared_destroy(air_context *context, struct air_shared *shared)
 static bool mesh_equal(const air_mesh_record *a, const air_mesh_record *b)
 {
     return a->material == b->material && a->camera_visible == b->camera_visible &&
-           a->casts_shadow == b->casts_shadow && air_mesh_place_equal(a, b) &&
-           air_geometry_equal(a->geometry, b->geometry);
+           a->casts_shadow == b->casts_shadow && a->flip_normals == b->flip_normals &&
+           air_mesh_place_equal(a, b) && air_geometry_equal(a->geometry, b->geometry);
 }
 
 bool air_record_equal(air_object_kind kind, const air_record *a, const air_record *b)
@@ -62,7 +62,7 @@ bool air_record_equal(air_object_kind kind, const air_record *a, const air_recor
 
 bool air_emitter_equal(const air_emitter *a, const air_emitter *b)
 {
-    return a->mask == b->mask &&
+    return a->mask == b->mask && a->mesh->flip_normals == b->mesh->flip_normals &&
            (a->mesh->world == b->mesh->world ||
             (air_mesh_place_equal(a->mesh, b->mesh) &&
              air_geometry_equal(a->mesh->geometry, b->mesh->geometry))) &&

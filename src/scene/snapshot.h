@@ -7,6 +7,7 @@
 
 #include "airlight/scene.h"
 #include "core/host.h"
+#include "core/quadric.h"
 #include "core/vec.h"
 #include "scene/lights/light_table.h"
 #include "scene/media/media.h"
@@ -49,10 +50,11 @@ typedef struct air_material {
     bool textured; /* any slot has a texture */
 } air_material;
 
-/* A mesh in world space. */
+/* A mesh in world space: triangles, or a quadric. */
 typedef struct air_mesh {
     char *name;
-    float *positions;                           /* 3 per vertex, one float of padding */
+    const air_quadric *quadric; /* NULL: triangles; else there are none, nor vertices */
+    float *positions;           /* 3 per vertex, one float of padding */
     float *normals, *tangents, *uv[2], *colors; /* may be NULL */
     size_t vertex_count;
     uint32_t *indices;
@@ -60,7 +62,8 @@ typedef struct air_mesh {
     uint32_t material; /* index into materials; 0 is the default material */
     uint32_t mask;
     uint32_t first_emitter; /* light table index of triangle 0 if it emits, else UINT32_MAX */
-    bool flip; /* to_world mirrors: the front is where (p1-p0)x(p2-p0) points away from */
+    bool flip; /* the front is where (p1-p0)x(p2-p0), or a quadric's normal, points away from:
+                  to_world mirrors triangles, or normals are to be flipped */
     int32_t node, primitive; /* as described */
 } air_mesh;
 

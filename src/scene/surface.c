@@ -8,8 +8,8 @@
 typedef struct hit_place {
     const air_mesh *mesh;
     const air_material *material;
-    const uint32_t *corners; /* the triangle's three vertices */
-    float b[3];              /* barycentrics */
+    const uint32_t *corners; /* the triangle's three vertices; NULL: of a quadric */
+    float b[3];              /* barycentrics; of a quadric the last two are (u, v) */
 } hit_place;
 
 static hit_place find_place(const air_snapshot *snapshot, const air_hit *hit)
@@ -17,7 +17,8 @@ static hit_place find_place(const air_snapshot *snapshot, const air_hit *hit)
     const air_mesh *mesh = snapshot->meshes[hit->mesh];
     return (hit_place){.mesh = mesh,
                        .material = &snapshot->materials[mesh->material],
-                       .corners = mesh->indices + 3 * (size_t)hit->triangle,
+                       .corners =
+                           mesh->quadric == NULL ? mesh->indices + 3 * (size_t)hit->triangle : NULL,
                        .b = {1.0f - hit->u - hit->v, hit->u, hit->v}};
 }
 
@@ -43,8 +44,8 @@ static hit_place find_place(const air_snapshot *snapshot, const air_hit *hit)
  * any edge.
  *
  * Together u (6 n.|p| + 10 D); FLT_EPSILON is 2 u. */
-static void set_position(const hit_place *place, float inverse_area2, air_vec3 normal,
-                         air_vec3 *out_position, float *out_offset)
+static void set_triangle_position(const hit_place *place, float inverse_area2, air_vec3 normal,
+                                  air_vec3 *out_position, float *out_offset)
 {
     const float *positions = place->mesh->positions;
     const air_vec3 p0 = vec3_load(positions + 3 * (size_t)place->corners[0]);
@@ -55,6 +56,32 @@ static void set_position(const hit_place *place, float inverse_area2, air_vec3 n
     const float coordinate = fabsf(normal.x * p.x) + fabsf(normal.y * p.y) + fabsf(normal.z * p.z);
     *out_position = p;
     *out_offset = FLT_EPSILON * (3.0f * coordinate + 5.0f * (edges * inverse_area2));
+}
+
+/* The same on a quadric. Its place is found in doubles from (u, v), whose own rounding moves it
+ * along the surface, and rays meet quadrics in doubles: what is left is u n.|p| for rounding the
+ * position to floats and as much for adding the offset. Of the neighbours that touch it, disks'
+ * coplanar triangles among them, 4 u n.|p| as above. */
+static void set_quadric_position(const hit_place *place, air_vec3 normal, air_vec3 *out_position,
+                                 float *out_offset)
+{
+    const air_quadric *quadric = place->mesh->quadric;
+    double local[3];
+    air_quadric_place(quadric->shape, place->b[1], place->b[2], local);
+    const air_vec3 p = air_quadric_to_world(quadric, local);
+    *out_position = p;
+    *out_offset = 3.0f * FLT_EPSILON *
+                  (fabsf(normal.x * p.x) + fabsf(normal.y * p.y) + fabsf(normal.z * p.z));
+}
+
+static void set_position(const hit_place *place, float inverse_area2, air_vec3 normal,
+                         air_vec3 *out_position, float *out_offset)
+{
+    if (place->mesh->quadric != NULL) {
+        set_quadric_position(place, normal, out_position, out_offset);
+    } else {
+        set_triangle_position(place, inverse_area2, normal, out_position, out_offset);
+    }
 }
 
 /* ---- attributes ---- */
@@ -69,10 +96,12 @@ static void interpolate(const hit_place *place, const float *values, size_t widt
         out[i] = place->b[0] * v0[i] + place->b[1] * v1[i] + place->b[2] * v2[i];
 }
 
-/* RGBA of a slot's texture at the hit. Meshes without these coordinates are at (0, 0). */
+/* RGBA of a slot's texture at the hit. Meshes without these coordinates are at (0, 0); quadrics
+ * have the same in both sets. */
 static void sample_slot(const hit_place *place, const air_texture_slot *slot, float out_rgba[4])
 {
-    float uv[2] = {0.0f, 0.0f};
+    const bool quadric = place->mesh->quadric != NULL;
+    float uv[2] = {quadric ? place->b[1] : 0.0f, quadric ? place->b[2] : 0.0f};
     if (place->mesh->uv[slot->uv_set] != NULL)
         interpolate(place, place->mesh->uv[slot->uv_set], 2, uv);
     air_texture_slot_uv(slot, uv, uv);
@@ -135,22 +164,42 @@ static air_vec3 shading_normal(const hit_place *place, air_vec3 geometric)
     return vec3_scale(n, side / length);
 }
 
+/* Two ways from a place on the surface, and a texture's coordinates there and at their ends: the
+ * triangle's edges, or a quadric's slopes. False if there are no coordinates. */
+static bool texture_edges(const hit_place *place, const air_texture_slot *slot, air_vec3 *e1,
+                          air_vec3 *e2, float at[3][2])
+{
+    const air_mesh *mesh = place->mesh;
+    const float *uv = mesh->uv[slot->uv_set];
+    air_vec3 p[3];
+    if (mesh->quadric != NULL) {
+        const float u = place->b[1], v = place->b[2];
+        const float corners[3][2] = {{u, v}, {u + 1.0f, v}, {u, v + 1.0f}};
+        air_quadric_slopes(mesh->quadric, u, v, e1, e2);
+        for (size_t i = 0; i < 3; ++i)
+            air_texture_slot_uv(slot, corners[i], at[i]);
+        return true;
+    }
+    if (uv == NULL)
+        return false;
+    for (size_t i = 0; i < 3; ++i) {
+        p[i] = vec3_load(mesh->positions + 3 * (size_t)place->corners[i]);
+        air_texture_slot_uv(slot, uv + 2 * (size_t)place->corners[i], at[i]);
+    }
+    *e1 = vec3_sub(p[1], p[0]);
+    *e2 = vec3_sub(p[2], p[0]);
+    return true;
+}
+
 /* The directions in which the normal map's coordinates grow, from how its texture lies on the
- * triangle; v runs downwards, so the map's y axis is -dp/dv. *sign is that of the bitangent against
+ * surface; v runs downwards, so the map's y axis is -dp/dv. *sign is that of the bitangent against
  * normal x tangent. */
 static air_vec3 tangent_from_uv(const hit_place *place, air_vec3 normal, float *sign)
 {
-    const air_texture_slot *slot = &place->material->normal_slot;
-    const float *uv = place->mesh->uv[slot->uv_set];
-    if (uv == NULL)
-        return vec3_set1(0.0f);
-    air_vec3 p[3];
+    air_vec3 e1, e2;
     float at[3][2];
-    for (size_t i = 0; i < 3; ++i) {
-        p[i] = vec3_load(place->mesh->positions + 3 * (size_t)place->corners[i]);
-        air_texture_slot_uv(slot, uv + 2 * (size_t)place->corners[i], at[i]);
-    }
-    const air_vec3 e1 = vec3_sub(p[1], p[0]), e2 = vec3_sub(p[2], p[0]);
+    if (!texture_edges(place, &place->material->normal_slot, &e1, &e2, at))
+        return vec3_set1(0.0f);
     const float u1 = at[1][0] - at[0][0], v1 = at[1][1] - at[0][1];
     const float u2 = at[2][0] - at[0][0], v2 = at[2][1] - at[0][1];
     /* dp/du and -dp/dv times the area in uv, whose sign is put back */

@@ -50,6 +50,10 @@ static bool emitters_apply(const air_snapshot *snapshot, char reason[AIR_METHOD_
 {
     const air_light_table *lights = &snapshot->lights;
     for (size_t i = lights->explicit_count; i < lights->count; i++) {
+        if (lights->entries[i].quadric != NULL) {
+            snprintf(reason, AIR_METHOD_REASON, "some of it comes from a sphere, cylinder or disk");
+            return false;
+        }
         if (lights->entries[i].emission_texture != NULL) {
             snprintf(reason, AIR_METHOD_REASON, "its emission is textured");
             return false;

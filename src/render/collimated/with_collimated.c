@@ -48,6 +48,22 @@ static bool media_apply(const air_snapshot *snapshot, char reason[AIR_METHOD_REA
     return true;
 }
 
+/* Shadow trees hold triangles only. */
+static bool shadows_apply(const air_snapshot *snapshot, char reason[AIR_METHOD_REASON])
+{
+    for (size_t i = 0; i < snapshot->mesh_count; i++) {
+        const air_mesh *mesh = snapshot->meshes[i];
+        if (mesh->quadric != NULL && (mesh->mask & AIR_MASK_SHADOW_OPAQUE) != 0) {
+            snprintf(reason, AIR_METHOD_REASON,
+                     "mesh \"%.60s\" casts shadows and is not made of "
+                     "triangles",
+                     mesh->name);
+            return false;
+        }
+    }
+    return true;
+}
+
 static bool applies(const air_snapshot *snapshot, size_t light, char reason[AIR_METHOD_REASON])
 {
     if (light >= snapshot->lights.explicit_count ||
@@ -55,7 +71,8 @@ static bool applies(const air_snapshot *snapshot, size_t light, char reason[AIR_
         snprintf(reason, AIR_METHOD_REASON, "its light does not come along one direction");
         return false;
     }
-    if (!media_apply(snapshot, reason)) {
+    if (!media_apply(snapshot, reason) ||
+        (snapshot->lights.entries[light].casts_shadow && !shadows_apply(snapshot, reason))) {
         return false;
     }
     if (!air_shadows_end(snapshot, light)) {

@@ -1,6 +1,7 @@
 /* emissive.c: see emissive.h. */
 #include "scene/lights/emissive.h"
 
+#include "scene/lights/quadric_lamp.h"
 #include "scene/texture.h"
 
 static void set_triangle(const air_mesh *mesh, const uint32_t *corners, air_vec3 *vertices,
@@ -35,6 +36,12 @@ static void set_texture(const air_mesh *mesh, const uint32_t *corners, const air
 void air_emissive_build(const air_mesh *mesh, const air_material *material, uint32_t owner,
                         air_vec3 *vertices, float *certain, air_light *entries)
 {
+    if (mesh->quadric != NULL) {
+        air_quadric_lamp_build(mesh, material, owner, &entries[0]);
+        entries[0].vertices = vertices;
+        entries[0].triangle_cdf = certain;
+        return;
+    }
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         air_light *out = &entries[i];
         *out = (air_light){.kind = AIR_LIGHT_POLYGON,
@@ -54,6 +61,9 @@ void air_emissive_build(const air_mesh *mesh, const air_material *material, uint
 
 air_vec3 air_emissive_mean(const air_light *light)
 {
+    if (light->quadric != NULL) {
+        return air_quadric_lamp_mean(light);
+    }
     if (light->emission_texture == NULL) {
         return light->color;
     }

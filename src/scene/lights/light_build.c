@@ -78,9 +78,11 @@ static air_status build_explicit(air_context *context, const air_light_source *l
 
 /* ---- emissive meshes ---- */
 
-static bool emits(const air_mesh *mesh, const air_material *materials)
+/* How many entries a mesh has: one per triangle, or one. */
+static size_t entry_count(const air_mesh *mesh, const air_material *materials)
 {
-    return mesh->triangle_count > 0 && air_material_is_emitter(&materials[mesh->material]);
+    const size_t surfaces = mesh->quadric != NULL ? 1 : mesh->triangle_count;
+    return air_material_is_emitter(&materials[mesh->material]) ? surfaces : 0;
 }
 
 /* Surfaces with coverage too, which rays meet although they have no entry. */
@@ -100,7 +102,7 @@ static size_t count_emissive(const air_mesh *const *meshes, size_t mesh_count,
 {
     size_t count = 0;
     for (size_t i = 0; i < mesh_count; i++) {
-        count += emits(meshes[i], materials) ? meshes[i]->triangle_count : 0;
+        count += entry_count(meshes[i], materials);
     }
     return count;
 }
@@ -126,11 +128,12 @@ static air_status build_emissive(air_context *context, const air_mesh *const *me
     }
     size_t next = table->explicit_count;
     for (size_t i = 0; i < mesh_count; i++) {
-        if (emits(meshes[i], materials)) {
+        const size_t entries = entry_count(meshes[i], materials);
+        if (entries > 0) {
             air_emissive_build(
                 meshes[i], &materials[meshes[i]->material], (uint32_t)table->explicit_count,
                 vertices + 3 * (next - table->explicit_count), certain, &table->entries[next]);
-            next += meshes[i]->triangle_count;
+            next += entries;
         }
     }
     return AIR_OK;
@@ -234,10 +237,11 @@ air_status air_light_table_build(air_context *context, const air_light_source *l
     const size_t emissive = count_emissive(meshes, mesh_count, materials);
     if (count > UINT32_MAX - 1 || emissive > UINT32_MAX - 1 - count) {
         return air_fail(context, AIR_ERROR_UNSUPPORTED,
-                        "%zu lights and %zu emissive triangles, but a scene can have %u together",
+                        "%zu lights and %zu emissive surfaces, but a scene can have %u together",
                         count, emissive, UINT32_MAX - 1);
     }
-    air_light_table table = {.explicit_count = count, .count = count + emissive};
+    air_light_table table = {
+        .explicit_count = count, .count = count + emissive, .spheres_by_sight = true};
     table.owner_count = count + (any_glows(meshes, mesh_count, materials) ? 1 : 0);
     set_scene_sphere(bounds_min, bounds_max, &table);
     air_status status = AIR_OK;
@@ -263,9 +267,9 @@ air_status air_light_table_build(air_context *context, const air_light_source *l
     }
     uint32_t next = (uint32_t)count;
     for (size_t i = 0; i < mesh_count; i++) {
-        const bool emissive_mesh = emits(meshes[i], materials);
-        mesh_first_emitter[i] = emissive_mesh ? next : UINT32_MAX;
-        next += emissive_mesh ? (uint32_t)meshes[i]->triangle_count : 0;
+        const size_t entries = entry_count(meshes[i], materials);
+        mesh_first_emitter[i] = entries > 0 ? next : UINT32_MAX;
+        next += (uint32_t)entries;
     }
     *out = table;
     return AIR_OK;

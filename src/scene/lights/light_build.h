@@ -17,10 +17,11 @@ air_status air_light_check(air_context *context, const air_light_desc *desc);
 
 /* Makes the table from checked descriptions, then the triangles of those meshes whose material
  * emits (air_material_is_emitter in scene/material.h), mesh by mesh, every triangle of such a mesh
- * having an entry. Everything is copied except textures, which are borrowed and must outlive *out.
- * Only positions, indices, uv, counts, material, mask (is a shadow bit set?) and flip of a mesh are
- * read. mesh_first_emitter: mesh_count numbers, the entry of a mesh's triangle 0, UINT32_MAX for a
- * mesh that does not emit. bounds_min > bounds_max: nothing bounded. */
+ * having an entry, a quadric one. Everything is copied except textures and quadrics, which are
+ * borrowed and must outlive *out. Only positions, indices, uv, counts, quadric, material, mask (is
+ * a shadow bit set?) and flip of a mesh are read. mesh_first_emitter: mesh_count numbers, the entry
+ * of a mesh's triangle 0, UINT32_MAX for a mesh that does not emit. bounds_min > bounds_max:
+ * nothing bounded. */
 air_status air_light_table_build(air_context *context, const air_light_source *lights, size_t count,
                                  const air_mesh *const *meshes, size_t mesh_count,
                                  const air_material *materials, const float bounds_min[3],

@@ -4,6 +4,7 @@
 #include "scene/lights/environment.h"
 #include "scene/lights/polygon.h"
 #include "scene/lights/punctual.h"
+#include "scene/lights/quadric_lamp.h"
 
 void air_light_sample(const air_light_table *table, uint32_t entry, float u1, float u2,
                       air_light_point *out)
@@ -17,7 +18,11 @@ void air_light_sample(const air_light_table *table, uint32_t entry, float u1, fl
         air_punctual_sample(light, out);
         break;
     case AIR_LIGHT_POLYGON:
-        air_polygon_sample(light, u1, u2, out);
+        if (light->quadric != NULL) {
+            air_quadric_lamp_sample(light, u1, u2, out);
+        } else {
+            air_polygon_sample(light, u1, u2, out);
+        }
         break;
     case AIR_LIGHT_ENVIRONMENT:
         air_environment_sample(light, u1, u2, out);
@@ -36,7 +41,9 @@ bool air_light_connect(const air_light_table *table, const air_light_point *ligh
     case AIR_LIGHT_COLLIMATED:
         return air_collimated_connect(light, point, out);
     case AIR_LIGHT_POLYGON:
-        return air_polygon_connect(light, light_point, point, out);
+        return light->quadric != NULL ? air_quadric_lamp_connect(light, table->spheres_by_sight,
+                                                                 light_point, point, out)
+                                      : air_polygon_connect(light, light_point, point, out);
     case AIR_LIGHT_ENVIRONMENT:
         *out = (air_connection){light_point->dir, INFINITY, light_point->value, light_point->pdf};
         return light_point->pdf > 0.0f;
@@ -44,9 +51,14 @@ bool air_light_connect(const air_light_table *table, const air_light_point *ligh
     return false;
 }
 
-float air_light_hit_pdf(const air_light_table *table, uint32_t entry, air_vec3 dir, float distance)
+float air_light_hit_pdf(const air_light_table *table, uint32_t entry, air_vec3 from, air_vec3 dir,
+                        float distance)
 {
     const air_light *light = &table->entries[entry];
-    return light->kind == AIR_LIGHT_ENVIRONMENT ? air_environment_pdf(light, dir)
-                                                : air_polygon_hit_pdf(light, dir, distance);
+    if (light->kind == AIR_LIGHT_ENVIRONMENT) {
+        return air_environment_pdf(light, dir);
+    }
+    return light->quadric != NULL
+               ? air_quadric_lamp_hit_pdf(light, table->spheres_by_sight, from, dir, distance)
+               : air_polygon_hit_pdf(light, dir, distance);
 }

@@ -1,5 +1,5 @@
 /* light_table.h: all lights of a snapshot as one table of entries: explicit lights in the order
- * they were added, then one entry per emissive triangle.
+ * they were added, then one entry per emissive triangle, sphere, cylinder or disk.
  *
  * Sampling has two steps, so that distances can be sampled knowing the light: air_light_sample
  * draws a point (or, at infinity, a direction) without knowing what it lights; air_light_connect
@@ -10,11 +10,13 @@
 #include "airlight/interval.h"
 #include "airlight/light.h"
 #include "core/host.h"
+#include "core/quadric.h"
 #include "core/vec.h"
 
 typedef struct air_light {
-    char *name;          /* of explicit lights, "" if none was given; NULL for emissive triangles */
-    air_light_kind kind; /* emissive triangles: AIR_LIGHT_POLYGON with vertex_count 3 */
+    char *name;          /* of explicit lights, "" if none was given; NULL for emissive surfaces */
+    air_light_kind kind; /* emissive triangles: AIR_LIGHT_POLYGON with vertex_count 3; quadrics:
+                            AIR_LIGHT_POLYGON without vertices or triangles */
     air_vec3 color;
     air_vec3 position;             /* point, spot */
     air_vec3 dir;                  /* unit, direction of travel: spot, collimated */
@@ -29,20 +31,24 @@ typedef struct air_light {
     float *triangle_cdf;      /* cumulative area share; last is 1 */
     size_t triangle_count;
     air_vec3 normal;
+    const air_quadric *quadric; /* emissive quadrics: borrowed; else NULL */
+    bool inward;                /* quadrics: the front is where the normal points away from */
     float area;
     bool one_sided, camera_visible, casts_shadow;
     struct air_environment *environment; /* environment with an image */
     const struct air_texture
-        *emission_texture; /* emissive triangles: radiance = color * texture(uv) */
-    float uv[3][2];        /* already transformed */
+        *emission_texture; /* emissive surfaces: radiance = color * texture(uv) */
+    float uv[3][2];        /* already transformed; of quadrics, of (0, 0), (1, 0) and (0, 1) */
     uint32_t owner;        /* index among the snapshot's lights as callers count them */
 } air_light;
 
 typedef struct air_light_table {
     air_light *entries;
     size_t count;          /* all entries */
-    size_t explicit_count; /* the first ones; emissive triangles follow */
-    size_t owner_count;    /* explicit_count, plus 1 if there are emissive triangles */
+    size_t explicit_count; /* the first ones; emissive surfaces follow */
+    size_t owner_count;    /* explicit_count, plus 1 if there are emissive surfaces */
+    bool spheres_by_sight; /* a connection draws its own place on a sphere, of what the point sees;
+                              false: it leads to the place of the light point, as for all others */
     float *cdf;            /* cumulative selection probability over entries; last is 1 */
     uint32_t environment_count;
     uint32_t *environments; /* entries of kind environment */
@@ -63,8 +69,10 @@ typedef struct air_light_point {
     air_vec3 normal;   /* area lights: front side */
     air_vec3 dir;      /* infinite lights: unit, towards the light */
     air_vec3 value;    /* radiance, intensity or E_perp */
-    float pdf; /* per area, per solid angle (environment), or 1 (delta); without the selection
-                  probability */
+    float pdf;   /* per area, per solid angle (environment), or 1 (delta); without the selection
+                    probability */
+    bool curved; /* on a quadric: a ray that passes close by its place may meet it before */
+    float u[2];  /* quadrics: the numbers it was drawn by */
 } air_light_point;
 
 typedef struct air_connection {
@@ -89,9 +97,11 @@ void air_light_sample(const air_light_table *table, uint32_t entry, float u1, fl
 bool air_light_connect(const air_light_table *table, const air_light_point *light_point,
                        air_vec3 point, air_connection *out);
 
-/* Density per solid angle, without the selection probability, with which air_light_sample gives a
- * point of this area light that is met at `distance` along unit `dir`. */
-float air_light_hit_pdf(const air_light_table *table, uint32_t entry, air_vec3 dir, float distance);
+/* Density per solid angle, without the selection probability, with which air_light_sample and
+ * air_light_connect give a place of this area light that is met from a point at `distance` along
+ * unit `dir`. */
+float air_light_hit_pdf(const air_light_table *table, uint32_t entry, air_vec3 from, air_vec3 dir,
+                        float distance);
 /* Radiance of an environment entry from the unit direction dir (pointing away from the viewer), and
  * its density. */
 air_vec3 air_environment_radiance(const air_light *light, air_vec3 dir);
