@@ -496,7 +496,7 @@ static void meshes_keep_their_index_and_empty_ones_are_legal(void **state)
 {
     (void)state;
     static box_mesh box;
-    const air_ray_mesh empty = {box.positions, 0, box.indices, 0, 1};
+    const air_ray_mesh empty = {.positions = box.positions, .indices = box.indices, .mask = 1};
     const air_ray_mesh meshes[3] = {empty, empty, make_box(&box, 1.0f, 1)};
     const air_ray ray = make_ray(vec3(0.1f, 0.2f, 9.0f), vec3(0.0f, 0.0f, -1.0f));
     tracer self = build(meshes, 3);

@@ -81,6 +81,10 @@ static void a_value_reaches_to_the_next_key(void **state)
     expect_near(medium->sigma_s.x, 0.2f);
     assert_int_equal(medium->phase.kind, AIR_PHASE_HG);
     expect_near(medium->phase.g, 0.3f);
+    medium = load(&f, "sphere=1,2,3,0.5,sigma_s=0.2");
+    assert_int_equal(medium->boundary, AIR_BOUNDARY_ELLIPSOID);
+    expect_near(medium->bounds_min[0], 0.5);
+    expect_near(medium->bounds_max[2], 3.5);
     medium = load(&f, "sigma_s=0.1,.2,0.3, sigma_a = 1 ,name=a, b,unbounded");
     expect_near(medium->sigma_s.y, 0.2f);
     expect_near(medium->sigma_s.z, 0.3f);
@@ -153,6 +157,9 @@ static void errors_quote_the_argument_and_the_column(void **state)
     refuse(&f, "sigma_s=1,g=0.5,g=0.2", "column 17: \"g\": given twice");
     refuse(&f, "sigma_s=1,box=0,0,0:1,1",
            "column 11: \"box\": expected two corners as x,y,z:x,y,z");
+    refuse(&f, "sigma_s=1,sphere=0,0,1",
+           "column 11: \"sphere\": expected a centre and a radius as x,y,z,r");
+    refuse(&f, "sigma_s=1,sphere=0,0,0,-1", "column 11 (sphere): expected a number > 0, found -1");
     refuse(&f, "sigma_s=1,unbounded,box=0,0,0:1,1,1",
            "column 21: \"box\": contradicts what stands before it");
     refuse(&f, "unbounded=1,sigma_s=1", "column 1: \"unbounded\": expected no value");

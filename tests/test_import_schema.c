@@ -23,6 +23,8 @@ static const known_object objects[] = {
     {"$defs phase oneOf 3", "{'media':[{'sigma_s':1,'phase':{'type':'table','?':1}}]}"},
     {"$defs lobe", "{'media':[{'sigma_s':1,'phase':{'type':'mixture','lobes':[{'?':1}]}}]}"},
     {"$defs boundary oneOf 1", "{'media':[{'sigma_s':1,'boundary':{'?':1}}]}"},
+    {"$defs boundary oneOf 1 properties sphere",
+     "{'media':[{'sigma_s':1,'boundary':{'sphere':{'?':1}}}]}"},
     {"$defs box", "{'media':[{'sigma_s':1,'boundary':{'box':{'?':1}}}]}"},
     {"$defs density", "{'media':[{'sigma_s':1,'density':{'?':1}}]}"},
     {"$defs layer", "{'media':[{'sigma_s':1,'density':{'layers':[{'?':1}]}}]}"},

@@ -351,6 +351,20 @@ static void boxes_may_be_said_in_three_ways(void **state)
     beside_loads(&f, "{'media':[{'sigma_s':1,'boundary':{'box':{'center':[5,0,0],'size':[2,4,8],"
                      "'rotation':[0,0.70710678,0,0.70710678]}}}]}");
     expect_bounds(only_medium(&f), (const float[]){1, -2, -1}, (const float[]){9, 2, 1});
+    beside_loads(&f,
+                 "{'media':[{'sigma_s':1,'boundary':{'sphere':{'center':[1,2,3],'radius':2}}}]}");
+    assert_int_equal(only_medium(&f)->boundary, AIR_BOUNDARY_ELLIPSOID);
+    expect_near(only_medium(&f)->bounds_min[1], 0.0);
+    expect_near(only_medium(&f)->bounds_max[2], 5.0);
+    beside_loads(&f, "{'media':[{'sigma_s':1,'boundary':{'ellipsoid':[[2,0,0,1],[0,1,0,0],"
+                     "[0,0,1,0]]}}]}");
+    expect_near(only_medium(&f)->bounds_max[0], 3.0);
+    beside_refused(&f, "{'media':[{'sigma_s':1,'boundary':{'sphere':{'center':[1,2,3]}}}]}",
+                   "$.media[0].boundary.sphere.radius: expected a radius, found nothing");
+    beside_refused(&f,
+                   "{'media':[{'sigma_s':1,'boundary':{'ellipsoid':[[2,0,0,1],[0,0,0,0],"
+                   "[0,0,1,0]]}}]}",
+                   "$.media[0].boundary.ellipsoid: the ellipsoid has no volume");
     beside_loads(&f, "{'media':[{'sigma_s':1,'boundary':{'box':{'to_world':[[1,0,0,3],[0,2,0,0],[0,"
                      "0,1,0],[0,0,0,1]]}}}]}");
     expect_bounds(only_medium(&f), (const float[]){2, -2, -1}, (const float[]){4, 2, 1});

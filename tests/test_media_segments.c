@@ -198,11 +198,135 @@ static void a_mesh_is_entered_and_left_as_often_as_the_ray_crosses_it(void **sta
     air_scene_destroy(scene);
 }
 
+/* ---- ellipsoids ---- */
+
+static air_snapshot *ellipsoid(const float map[12], const air_density *density)
+{
+    air_scene *scene;
+    air_snapshot *snapshot;
+    air_medium_desc medium;
+    air_handle handle;
+    air_medium_desc_default(&medium);
+    medium.sigma_s[0] = 1.0f;
+    medium.boundary.kind = AIR_BOUNDARY_ELLIPSOID;
+    memcpy(medium.boundary.box_to_world, map, sizeof medium.boundary.box_to_world);
+    if (density != NULL) {
+        medium.density = *density;
+    }
+    assert_int_equal(air_scene_create(context, &scene), AIR_OK);
+    assert_int_equal(air_scene_add_medium(scene, &medium, &handle), AIR_OK);
+    assert_int_equal(air_scene_commit(scene, &snapshot, NULL), AIR_OK);
+    air_scene_destroy(scene);
+    return snapshot;
+}
+
+/* A ray is in a sphere for the chord 2 sqrt(r^2 - b^2) about its point nearest to the centre, seen
+ * from as far as a thousand radii and from within. */
+static void a_sphere_is_crossed_along_its_chord(void **state)
+{
+    (void)state;
+    air_rng rng = air_rng_from_keys(2, 1);
+    for (int i = 0; i < 40; i++) {
+        const float r = powf(10.0f, 4.0f * air_rng_float(&rng) - 2.0f);
+        const air_vec3 c = vec3_scale(
+            vec3(air_rng_float(&rng), air_rng_float(&rng), air_rng_float(&rng)), 3.0f * r);
+        const float map[12] = {0, r, 0, c.x, 0, 0, r, c.y, r, 0, 0, c.z};
+        air_snapshot *snapshot = ellipsoid(map, NULL);
+        for (int k = 0; k < 200; k++) {
+            air_segment segments[AIR_MAX_SEGMENTS];
+            const float far = powf(10.0f, 4.0f * air_rng_float(&rng) - 1.0f) * r;
+            const air_vec3 away = sample_sphere(air_rng_float(&rng), air_rng_float(&rng));
+            const air_vec3 origin = vec3_madd(c, far, away);
+            const air_vec3 target =
+                vec3_madd(c, 1.2f * r, sample_sphere(air_rng_float(&rng), air_rng_float(&rng)));
+            const air_vec3 dir = vec3_normalize(vec3_sub(target, origin));
+            const double o[3] = {(double)origin.x - (double)c.x, (double)origin.y - (double)c.y,
+                                 (double)origin.z - (double)c.z};
+            const double d[3] = {(double)dir.x, (double)dir.y, (double)dir.z};
+            const double dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+            const double t = -(o[0] * d[0] + o[1] * d[1] + o[2] * d[2]) / dd;
+            double b2 = 0.0;
+            for (int a = 0; a < 3; a++) {
+                b2 += (o[a] + t * d[a]) * (o[a] + t * d[a]);
+            }
+            const double half2 = ((double)r * (double)r - b2) / dd;
+            const size_t count =
+                air_media_segments(&snapshot->media, origin, dir, INFINITY, segments);
+            if (fabs(half2) < 1e-9 * (double)(r * r)) {
+                continue;
+            }
+            const bool crossed = half2 > 0.0 && t + sqrt(half2) > 0.0;
+            assert_int_equal(count, crossed);
+            if (crossed) {
+                /* a float's rounding of each end */
+                const double t0 = fmax(t - sqrt(half2), 0.0), t1 = t + sqrt(half2);
+                assert_true(fabs((double)segments[0].t0 - t0) <= 1e-7 * t0);
+                assert_true(fabs((double)segments[0].t1 - t1) <= 1e-7 * t1);
+            }
+        }
+        air_snapshot_release(snapshot);
+    }
+}
+
+static void layers_cut_an_ellipsoid(void **state)
+{
+    (void)state;
+    const float map[12] = {2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    air_medium_desc desc;
+    air_segment segments[AIR_MAX_SEGMENTS];
+    air_medium_desc_default(&desc);
+    desc.density.kind = AIR_DENSITY_LAYERED;
+    desc.density.layer_count = 2;
+    desc.density.layer_bottom[0] = -INFINITY;
+    desc.density.layer_bottom[1] = 0.5f;
+    desc.density.layer_density[0] = desc.density.layer_density[1] = 1.0f;
+    desc.density.layer_top = 0.75f;
+    air_snapshot *snapshot = ellipsoid(map, &desc.density);
+    const air_medium *medium = &snapshot->media.media[0];
+    assert_int_equal(medium->boundary, AIR_BOUNDARY_ELLIPSOID);
+    assert_float_equal(medium->bounds_min[0], -2.0f, 1e-6f);
+    assert_float_equal(medium->bounds_max[1], 1.0f, 1e-6f);
+    size_t count =
+        air_media_segments(&snapshot->media, vec3(0, -5, 0), vec3(0, 1, 0), INFINITY, segments);
+    assert_int_equal(count, 2);
+    assert_float_equal(segments[0].t0, 4.0f, 1e-6f);
+    assert_float_equal(segments[0].t1, 5.5f, 1e-6f);
+    assert_float_equal(segments[1].t1, 5.75f, 1e-6f);
+    /* x = 2 sqrt(1 - 0.36) at y = 0.6 */
+    count =
+        air_media_segments(&snapshot->media, vec3(-5, 0.6f, 0), vec3(1, 0, 0), INFINITY, segments);
+    assert_int_equal(count, 1);
+    assert_float_equal(segments[0].t0, 3.4f, 1e-6f);
+    assert_float_equal(segments[0].t1, 6.6f, 1e-6f);
+    air_snapshot_release(snapshot);
+}
+
+static void a_flat_ellipsoid_is_refused(void **state)
+{
+    (void)state;
+    air_scene *scene;
+    air_medium_desc medium;
+    air_handle handle;
+    air_medium_desc_default(&medium);
+    medium.name = "drop";
+    medium.boundary.kind = AIR_BOUNDARY_ELLIPSOID;
+    medium.boundary.box_to_world[0] = 0.0f;
+    assert_int_equal(air_scene_create(context, &scene), AIR_OK);
+    assert_int_equal(air_scene_add_medium(scene, &medium, &handle), AIR_ERROR_ARGUMENT);
+    assert_string_equal(
+        air_context_last_error(context),
+        "medium \"drop\": the ellipsoid of boundary has no volume, or is not finite");
+    air_scene_destroy(scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(overlapping_boxes_give_the_sets_that_hold_each_point),
         cmocka_unit_test(a_mesh_is_entered_and_left_as_often_as_the_ray_crosses_it),
+        cmocka_unit_test(a_sphere_is_crossed_along_its_chord),
+        cmocka_unit_test(layers_cut_an_ellipsoid),
+        cmocka_unit_test(a_flat_ellipsoid_is_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

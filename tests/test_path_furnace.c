@@ -87,6 +87,19 @@ static void a_mixture_of_forward_backward_and_rayleigh_is_invisible(void **state
     assert_invisible(scene, 2048);
 }
 
+static void an_ellipsoid_with_a_box_in_it_is_invisible(void **state)
+{
+    static const float map[12] = {1.2f, 0.3f, 0, 0.1f, -0.2f, 0.9f, 0, 0, 0, 0, 1.1f, -0.1f};
+    air_scene *scene = furnace(state);
+    air_medium_desc medium = white_box(1.0f, 2.0f, 1.5f);
+    const air_medium_desc inner = white_box(0.7f, 0.7f, 0.7f);
+    medium.boundary.kind = AIR_BOUNDARY_ELLIPSOID;
+    memcpy(medium.boundary.box_to_world, map, sizeof map);
+    add_medium(scene, &medium);
+    add_medium(scene, &inner);
+    assert_invisible(scene, 1024);
+}
+
 /* An L of six faces: closed, not convex. */
 static void a_concave_mesh_is_invisible(void **state)
 {
@@ -210,6 +223,7 @@ int main(void)
         cmocka_unit_test(a_chromatic_forward_box_is_invisible),
         cmocka_unit_test(a_rayleigh_convex_body_is_invisible),
         cmocka_unit_test(a_mixture_of_forward_backward_and_rayleigh_is_invisible),
+        cmocka_unit_test(an_ellipsoid_with_a_box_in_it_is_invisible),
         cmocka_unit_test(a_concave_mesh_is_invisible),
         cmocka_unit_test(height_fog_is_invisible),
         cmocka_unit_test(layered_fog_is_invisible),

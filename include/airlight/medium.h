@@ -59,8 +59,9 @@ AIR_API float air_phase_eval(air_phase phase, float cos_theta);
 typedef enum air_boundary_kind {
     AIR_BOUNDARY_UNBOUNDED = 0,
     AIR_BOUNDARY_BOX = 1, /* box_to_world maps [-1,1]^3 into the world; any invertible affine map */
-    AIR_BOUNDARY_CONVEX = 2, /* intersection of half-spaces n.x <= h */
-    AIR_BOUNDARY_MESH = 3    /* a closed triangle mesh */
+    AIR_BOUNDARY_CONVEX = 2,   /* intersection of half-spaces n.x <= h */
+    AIR_BOUNDARY_MESH = 3,     /* a closed triangle mesh */
+    AIR_BOUNDARY_ELLIPSOID = 4 /* box_to_world maps the unit sphere into the world, likewise */
 } air_boundary_kind;
 
 typedef struct air_boundary {

@@ -202,7 +202,7 @@ static json_t *describe_detail(const air_detail_field *detail)
 
 static json_t *describe_medium(const air_medium *medium)
 {
-    static const char *const boundaries[] = {"unbounded", "box", "convex", "mesh"};
+    static const char *const boundaries[] = {"unbounded", "box", "convex", "mesh", "ellipsoid"};
     static const char *const densities[] = {"constant", "layered", "exponential", "grid"};
     const bool exponential = medium->declared_kind == AIR_DENSITY_EXPONENTIAL;
     json_t *object = json_object();

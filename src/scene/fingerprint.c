@@ -177,6 +177,9 @@ static uint64_t add_media(uint64_t hash, const air_media *media)
         hash = ADD(hash, region->medium);
         hash = ADD(hash, region->density);
         hash = add_array(hash, region->planes, region->plane_count * sizeof *region->planes);
+        if (region->kind == AIR_REGION_ELLIPSOID) {
+            hash = ADD(hash, region->ellipsoid.to_world);
+        }
     }
     for (size_t i = 0; i < media->boundary_mesh_count; i++) {
         const air_ray_mesh *mesh = &media->boundary_meshes[i];

@@ -97,6 +97,7 @@ static bool boundary_equal(const air_boundary *a, const air_boundary *b)
         return false;
     switch (a->kind) {
     case AIR_BOUNDARY_BOX:
+    case AIR_BOUNDARY_ELLIPSOID:
         return air_bytes_equal(a->box_to_world, b->box_to_world, sizeof a->box_to_world);
     case AIR_BOUNDARY_CONVEX:
         return a->plane_count == b->plane_count &&

@@ -118,10 +118,12 @@ static air_status make_phases(air_with_arealight *with)
     return AIR_OK;
 }
 
+/* Is each the intersection of its planes? */
 static bool media_are_convex(const air_media *media)
 {
     for (size_t r = 0; r < media->region_count; r++) {
-        if (media->regions[r].kind == AIR_REGION_MESH) {
+        if (media->regions[r].kind == AIR_REGION_MESH ||
+            media->regions[r].kind == AIR_REGION_ELLIPSOID) {
             return false;
         }
     }

@@ -35,6 +35,10 @@ static bool media_apply(const air_snapshot *snapshot, char reason[AIR_METHOD_REA
             snprintf(reason, AIR_METHOD_REASON, "medium \"%.60s\" is not convex", name);
             return false;
         }
+        if (media->regions[r].kind == AIR_REGION_ELLIPSOID) {
+            snprintf(reason, AIR_METHOD_REASON, "medium \"%.60s\" does not end at planes", name);
+            return false;
+        }
         if (!media->regions[r].constant) {
             snprintf(reason, AIR_METHOD_REASON, "medium \"%.60s\" is not of constant density",
                      name);

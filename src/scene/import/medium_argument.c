@@ -8,11 +8,12 @@
  * the JSON then refuses with the range it wants. */
 typedef enum air_option_kind {
     AIR_OPTION_TEXT = 0,
-    AIR_OPTION_NUMBERS = 1,  /* one, or several with commas between */
-    AIR_OPTION_LENGTH = 2,   /* a number, with m or km behind it if one likes */
-    AIR_OPTION_BOX = 3,      /* x,y,z:x,y,z, as {"min", "max"} */
-    AIR_OPTION_BOX_MAP = 4,  /* the same, as the map of the unit cube to it */
-    AIR_OPTION_UNBOUNDED = 5 /* without a value */
+    AIR_OPTION_NUMBERS = 1,   /* one, or several with commas between */
+    AIR_OPTION_LENGTH = 2,    /* a number, with m or km behind it if one likes */
+    AIR_OPTION_BOX = 3,       /* x,y,z:x,y,z, as {"min", "max"} */
+    AIR_OPTION_BOX_MAP = 4,   /* the same, as the map of the unit cube to it */
+    AIR_OPTION_UNBOUNDED = 5, /* without a value */
+    AIR_OPTION_SPHERE = 6     /* x,y,z,r, as {"center", "radius"} */
 } air_option_kind;
 
 typedef struct air_option {
@@ -32,6 +33,7 @@ static const air_option options[] = {
     {"phase", ".phase", AIR_OPTION_TEXT},
     {"g", ".g", AIR_OPTION_NUMBERS},
     {"box", ".boundary.box", AIR_OPTION_BOX},
+    {"sphere", ".boundary.sphere", AIR_OPTION_SPHERE},
     {"mesh", ".boundary.mesh", AIR_OPTION_TEXT},
     {"unbounded", ".boundary", AIR_OPTION_UNBOUNDED},
     {"exp_base", ".density.exponential.base_height", AIR_OPTION_NUMBERS},
@@ -123,14 +125,14 @@ static air_item next_item(const char *text, size_t *offset)
     return item;
 }
 
-/* Up to three numbers with commas between; returns how many, 0 if the text is anything else. */
-static size_t parse_numbers(const char *text, size_t length, double out[3])
+/* Up to `most` numbers with commas between; returns how many, 0 if the text is anything else. */
+static size_t parse_numbers(const char *text, size_t length, size_t most, double *out)
 {
     size_t count = 0, offset = 0;
     while (offset <= length) {
         const char *comma = memchr(text + offset, ',', length - offset);
         const size_t end = comma != NULL ? (size_t)(comma - text) : length;
-        if (count == 3 || !air_number_parse(text + offset, end - offset, &out[count]))
+        if (count == most || !air_number_parse(text + offset, end - offset, &out[count]))
             return 0;
         ++count;
         offset = end + 1;
@@ -153,7 +155,7 @@ static json_t *number(double value)
 static json_t *numbers_json(const air_item *item)
 {
     double values[3] = {0.0, 0.0, 0.0};
-    const size_t count = parse_numbers(item->value, item->value_length, values);
+    const size_t count = parse_numbers(item->value, item->value_length, 3, values);
     if (count == 0)
         return json_stringn(item->value, item->value_length);
     if (count == 1)
@@ -190,8 +192,8 @@ static bool parse_box(const air_item *item, double min[3], double max[3])
     if (colon == NULL)
         return false;
     const size_t first = (size_t)(colon - item->value);
-    return parse_numbers(item->value, first, min) == 3 &&
-           parse_numbers(colon + 1, item->value_length - first - 1, max) == 3;
+    return parse_numbers(item->value, first, 3, min) == 3 &&
+           parse_numbers(colon + 1, item->value_length - first - 1, 3, max) == 3;
 }
 
 static json_t *box_json(const double min[3], const double max[3])
@@ -205,7 +207,15 @@ static json_t *box_map_json(const double min[3], const double max[3])
                      max[1] - min[1], 0.0, min[1], 0.0, 0.0, max[2] - min[2], min[2]);
 }
 
-/* NULL if the text is no box, or not in UTF-8. */
+static json_t *sphere_json(const air_item *item)
+{
+    double values[4];
+    return parse_numbers(item->value, item->value_length, 4, values) == 4
+               ? json_pack("{s:o,s:o}", "center", triple(values), "radius", number(values[3]))
+               : NULL;
+}
+
+/* NULL if the text is no box or sphere, or not in UTF-8. */
 static json_t *value_json(const air_option *option, const air_item *item)
 {
     double min[3], max[3];
@@ -218,6 +228,8 @@ static json_t *value_json(const air_option *option, const air_item *item)
         return parse_box(item, min, max) ? box_json(min, max) : NULL;
     case AIR_OPTION_BOX_MAP:
         return parse_box(item, min, max) ? box_map_json(min, max) : NULL;
+    case AIR_OPTION_SPHERE:
+        return sphere_json(item);
     case AIR_OPTION_UNBOUNDED:
         return json_string("unbounded");
     case AIR_OPTION_TEXT:
@@ -277,7 +289,9 @@ static air_status fail_unknown(const air_argument *argument, const air_item *ite
 static const char *value_expected(const air_option *option)
 {
     const bool box = option->kind == AIR_OPTION_BOX || option->kind == AIR_OPTION_BOX_MAP;
-    return box ? "expected two corners as x,y,z:x,y,z" : "expected text in UTF-8";
+    return box                                 ? "expected two corners as x,y,z:x,y,z"
+           : option->kind == AIR_OPTION_SPHERE ? "expected a centre and a radius as x,y,z,r"
+                                               : "expected text in UTF-8";
 }
 
 static air_status add_item(air_argument *argument, const air_item *item)

@@ -150,6 +150,42 @@ static air_status read_box(const air_sidecar_part *part, const air_json *at, air
     return AIR_OK;
 }
 
+/* {"center", "radius"}: of the node's space, whose map makes of it what it does of everything. */
+static air_status read_sphere(const air_json *at, float out[12])
+{
+    static const char *const keys[] = {"center", "radius"};
+    const air_json center_at = air_json_get(at, "center"), radius_at = air_json_get(at, "radius");
+    const float none[9] = {1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f};
+    float center[3] = {0.0f, 0.0f, 0.0f}, radius = 0.0f;
+    air_status status = air_json_check_object(at, true);
+    if (status == AIR_OK)
+        status = air_json_check_keys(at, keys, sizeof keys / sizeof keys[0]);
+    if (status == AIR_OK && center_at.value != NULL)
+        status = air_json_floats(&center_at, AIR_JSON_ANY, 3, center);
+    if (status == AIR_OK)
+        status = air_json_require(&radius_at, "a radius");
+    if (status == AIR_OK)
+        status = air_json_float(&radius_at, AIR_JSON_POSITIVE, &radius);
+    const float half[3] = {radius, radius, radius};
+    set_box(center, half, none, out);
+    return status;
+}
+
+static air_status read_ellipsoid(const air_sidecar_part *part, const air_json *at, bool sphere,
+                                 air_boundary *boundary)
+{
+    float local[12], inverse[12];
+    const air_status status = sphere ? read_sphere(at, local) : air_sidecar_read_map(at, local);
+    if (status != AIR_OK)
+        return status;
+    boundary->kind = AIR_BOUNDARY_ELLIPSOID;
+    affine_multiply(part->to_world, local, boundary->box_to_world);
+    if (!affine_invert(boundary->box_to_world, inverse))
+        return air_json_fail(at, AIR_ERROR_FORMAT, "the %s has no volume",
+                             sphere ? "sphere" : "ellipsoid");
+    return AIR_OK;
+}
+
 /* n . x <= h with x in the node's space becomes n' . y <= h + n' . t, n' by the inverse transpose
  * and t the origin. */
 static air_status read_planes(const air_sidecar_part *part, const air_json *at,
@@ -237,23 +273,32 @@ static void set_grid_box(const air_sidecar_part *part, const air_density *densit
 static air_status read_given(const air_sidecar_part *part, const air_json *at,
                              air_boundary *boundary, float **planes, air_import_geometry *geometry)
 {
-    static const char *const keys[] = {"box", "mesh", "planes"};
+    static const char *const keys[] = {"box", "mesh", "planes", "sphere", "ellipsoid"};
     static const char *const words[] = {"unbounded"};
     const air_json box = air_json_get(at, "box");
     const air_json mesh = air_json_get(at, "mesh");
     const air_json faces = air_json_get(at, "planes");
+    const air_json sphere = air_json_get(at, "sphere");
+    const air_json ellipsoid = air_json_get(at, "ellipsoid");
     size_t word = 0;
     if (json_is_string(at->value))
         return air_json_choice(at, words, 1, &word);
     if (!json_is_object(at->value))
-        return air_json_expected(at, "\"unbounded\" or an object with box, mesh or planes");
-    const air_status status = air_json_check_keys(at, keys, 3);
+        return air_json_expected(at, "\"unbounded\" or an object with box, mesh, planes, sphere or "
+                                     "ellipsoid");
+    const air_status status = air_json_check_keys(at, keys, sizeof keys / sizeof keys[0]);
     if (status != AIR_OK)
         return status;
-    if ((box.value != NULL) + (mesh.value != NULL) + (faces.value != NULL) != 1)
-        return air_json_fail(at, AIR_ERROR_FORMAT, "expected one of box, mesh and planes");
+    if ((box.value != NULL) + (mesh.value != NULL) + (faces.value != NULL) +
+            (sphere.value != NULL) + (ellipsoid.value != NULL) !=
+        1)
+        return air_json_fail(at, AIR_ERROR_FORMAT,
+                             "expected one of box, mesh, planes, sphere and ellipsoid");
     if (box.value != NULL)
         return read_box(part, &box, boundary);
+    if (sphere.value != NULL || ellipsoid.value != NULL)
+        return read_ellipsoid(part, sphere.value != NULL ? &sphere : &ellipsoid,
+                              sphere.value != NULL, boundary);
     if (faces.value != NULL)
         return read_planes(part, &faces, boundary, planes);
     return read_named_mesh(part, &mesh, boundary, geometry);

@@ -6,6 +6,7 @@
 #include "airlight/collimated.h"
 #include "airlight/medium.h"
 #include "core/host.h"
+#include "core/quadric.h"
 #include "core/vec.h"
 #include "scene/media/detail.h"
 
@@ -26,7 +27,8 @@ enum { AIR_MAX_PLANE_PACKS = (AIR_MAX_PLANES + 2 + 3) / 4 };
 typedef enum air_region_kind {
     AIR_REGION_EVERYWHERE = 0,
     AIR_REGION_CONVEX = 1, /* planes */
-    AIR_REGION_MESH = 2    /* boundary mesh `mesh` of the boundary accelerator */
+    AIR_REGION_MESH = 2,   /* boundary mesh `mesh` of the boundary accelerator */
+    AIR_REGION_ELLIPSOID = 3
 } air_region_kind;
 
 /* A region of space filled by one medium: layered media become one entry per layer, so that a
@@ -37,6 +39,7 @@ typedef struct air_region {
     air_plane planes[AIR_MAX_PLANES + 2]; /* a layer adds two */
     size_t plane_count;
     uint32_t mesh;
+    air_quadric ellipsoid;
     float density; /* constant media: the factor on the medium's coefficients, but for detail */
     /* set by air_media_prepare */
     air_plane_pack packs[AIR_MAX_PLANE_PACKS]; /* the planes again */
@@ -51,7 +54,7 @@ typedef struct air_medium {
     air_phase phase;
     air_density_kind kind; /* layered media are AIR_DENSITY_CONSTANT here, one region per layer */
     air_density_kind declared_kind;
-    air_boundary_kind boundary; /* after recognition: box, convex, mesh or unbounded */
+    air_boundary_kind boundary; /* after recognition: of a mesh perhaps box or convex */
     air_vec3 up;
     float base_height, inverse_scale_height;
     const struct air_grid *density_grid, *albedo_grid, *emission_grid;

@@ -102,6 +102,11 @@ static air_status build_boundary(media_builder *builder, const air_subject *subj
         break;
     case AIR_BOUNDARY_MESH:
         return build_mesh(builder, subject, boundary, medium, region);
+    case AIR_BOUNDARY_ELLIPSOID:
+        region->kind = AIR_REGION_ELLIPSOID;
+        (void)air_quadric_make(AIR_RAY_SPHERE, boundary->box_to_world, &region->ellipsoid);
+        air_quadric_bounds(&region->ellipsoid, medium->bounds_min, medium->bounds_max);
+        break;
     }
     return AIR_OK;
 }

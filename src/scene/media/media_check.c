@@ -186,6 +186,7 @@ static air_status check_mesh(const air_subject *subject, const air_boundary *bou
 static air_status check_boundary(const air_subject *subject, const air_boundary *boundary)
 {
     air_plane planes[6];
+    air_quadric ellipsoid;
     switch (boundary->kind) {
     case AIR_BOUNDARY_UNBOUNDED:
         return AIR_OK;
@@ -198,8 +199,14 @@ static air_status check_boundary(const air_subject *subject, const air_boundary 
         return check_planes(subject, boundary);
     case AIR_BOUNDARY_MESH:
         return check_mesh(subject, boundary);
+    case AIR_BOUNDARY_ELLIPSOID:
+        return air_quadric_make(AIR_RAY_SPHERE, boundary->box_to_world, &ellipsoid)
+                   ? AIR_OK
+                   : air_subject_fail(subject,
+                                      "the ellipsoid of boundary has no volume, or is not finite");
     }
-    return air_subject_check_enum(subject, "boundary.kind", (int)boundary->kind, 4);
+    return air_subject_check_enum(subject, "boundary.kind", (int)boundary->kind,
+                                  AIR_BOUNDARY_ELLIPSOID + 1);
 }
 
 air_status air_medium_check(air_context *context, const air_medium_desc *desc)

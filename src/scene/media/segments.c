@@ -77,6 +77,28 @@ static bool clip_convex(const air_region *region, air_vec3 origin, air_vec3 dir,
     return *a < *b;
 }
 
+/* Clips [*a, *b] to an ellipsoid; false if nothing is left. */
+static bool clip_ellipsoid(const air_quadric *ellipsoid, air_vec3 origin, air_vec3 dir, float *a,
+                           float *b)
+{
+    const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {dir.x, dir.y, dir.z};
+    air_quadric_hit hits[2];
+    if (air_quadric_intersect(ellipsoid, from, along, hits) < 2) {
+        return false;
+    }
+    *a = float_max((float)hits[0].t, *a);
+    *b = float_min((float)hits[1].t, *b);
+    return *a < *b;
+}
+
+/* The same to a region; of a mesh, to what else bounds its medium. */
+static bool clip_region(const air_region *region, air_vec3 origin, air_vec3 dir, float *a, float *b)
+{
+    return clip_convex(region, origin, dir, a, b) &&
+           (region->kind != AIR_REGION_ELLIPSOID ||
+            clip_ellipsoid(&region->ellipsoid, origin, dir, a, b));
+}
+
 /* Of the regions present, those that count: see medium.h on overlap. */
 static uint64_t apply_replacement(const air_media *media, uint64_t present)
 {
@@ -151,7 +173,7 @@ static size_t collect_events(const air_media *media, air_vec3 origin, air_vec3 d
     for (uint32_t r = 0; r < media->region_count; r++) {
         const air_region *region = &media->regions[r];
         float a = 0.0f, b = tmax;
-        if (!clip_convex(region, origin, dir, &a, &b)) {
+        if (!clip_region(region, origin, dir, &a, &b)) {
             continue;
         }
         if (region->kind == AIR_REGION_MESH) {
@@ -193,12 +215,12 @@ static size_t sweep(const air_media *media, const region_event *events, size_t e
     return count;
 }
 
-/* A ray of length zero or more that meets one convex region, the usual case. */
+/* A ray of length zero or more that meets one region without a mesh, the usual case. */
 static size_t single_segment(const air_region *region, air_vec3 origin, air_vec3 dir, float tmax,
                              air_segment *out)
 {
     float a = 0.0f, b = tmax;
-    if (!clip_convex(region, origin, dir, &a, &b)) {
+    if (!clip_region(region, origin, dir, &a, &b)) {
         return 0;
     }
     out[0] = (air_segment){a, b, 1};
