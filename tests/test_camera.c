@@ -190,6 +190,125 @@ static void bad_cameras_are_refused_by_field(void **state)
     air_context_destroy(context);
 }
 
+/* ---- lenses ---- */
+
+static void rays_through_a_lens_meet_in_the_plane_of_focus(void **state)
+{
+    air_camera camera = camera_of(AIR_CAMERA_PERSPECTIVE);
+    air_camera_view view;
+    air_rng rng = air_rng_from_keys(7, 1);
+    (void)state;
+    camera.lens_radius = 0.3f;
+    camera.focus_distance = 4.0f;
+    air_camera_view_init(&camera, 200, 100, &view);
+    for (int i = 0; i < 200; ++i) {
+        const float x = 200.0f * air_rng_float(&rng), y = 100.0f * air_rng_float(&rng);
+        air_vec3 pinhole, sharp, origin, dir;
+        air_camera_view_ray(&view, x, y, &pinhole, &sharp);
+        /* z = 3 - 4 */
+        const air_vec3 focus = vec3_madd(pinhole, 4.0f / -sharp.z, sharp);
+        for (int k = 0; k < 16; ++k) {
+            const float u1 = air_rng_float(&rng), u2 = air_rng_float(&rng);
+            air_camera_view_lens_ray(&view, x, y, u1, u2, &origin, &dir);
+            assert_true(origin.z == 3.0f);
+            assert_true(vec3_length(vec3_sub(origin, pinhole)) < 0.3f + 1e-6f);
+            const float t = 4.0f / -dir.z;
+            assert_near(vec3_madd(origin, t, dir), focus, 5e-6f);
+        }
+    }
+}
+
+/* What a lens of radius r makes of a point at the distance d, in focus f: a disk in the plane of
+ * focus of radius r |f - d| / d. Here the other way round: rays of one place of the picture are
+ * spread over such a disk times d / f at the distance d. */
+static void the_circle_of_confusion_has_its_size(void **state)
+{
+    enum { STEPS = 64 };
+    const float depths[2] = {1.5f, 9.0f};
+    air_camera camera = camera_of(AIR_CAMERA_PERSPECTIVE);
+    air_camera_view view;
+    (void)state;
+    camera.lens_radius = 0.2f;
+    camera.focus_distance = 3.0f;
+    air_camera_view_init(&camera, 64, 64, &view);
+    for (int i = 0; i < 2; ++i) {
+        const float d = depths[i], expected = 0.2f * fabsf(3.0f - d) / 3.0f;
+        air_vec3 pinhole, sharp;
+        air_camera_view_ray(&view, 10.0f, 20.0f, &pinhole, &sharp);
+        const air_vec3 middle = vec3_madd(pinhole, d / -sharp.z, sharp);
+        double most = 0.0, squares = 0.0;
+        for (int k = 0; k < STEPS * STEPS; ++k) {
+            air_vec3 origin, dir;
+            air_camera_view_lens_ray(&view, 10.0f, 20.0f, ((float)(k / STEPS) + 0.5f) / STEPS,
+                                     ((float)(k % STEPS) + 0.5f) / STEPS, &origin, &dir);
+            const air_vec3 at = vec3_madd(origin, d / -dir.z, dir);
+            const double off = (double)vec3_length(vec3_sub(at, middle));
+            most = fmax(most, off);
+            squares += off * off / (STEPS * STEPS);
+        }
+        /* the outermost midpoints lie half a step of 2 / 64 inside; a uniform disk has the mean
+         * square r^2 / 2 */
+        assert_true(fabs(most / (double)expected - 1.0) < 0.02);
+        assert_true(fabs(2.0 * squares / (double)(expected * expected) - 1.0) < 1e-3);
+    }
+}
+
+static void a_pinhole_is_a_lens_without_size(void **state)
+{
+    const air_camera camera = camera_of(AIR_CAMERA_PERSPECTIVE);
+    air_camera_view view;
+    air_vec3 origins[2], dirs[2];
+    (void)state;
+    air_camera_view_init(&camera, 64, 64, &view);
+    air_camera_view_ray(&view, 3.0f, 5.0f, &origins[0], &dirs[0]);
+    air_camera_view_lens_ray(&view, 3.0f, 5.0f, 0.9f, 0.1f, &origins[1], &dirs[1]);
+    assert_memory_equal(&origins[0], &origins[1], sizeof origins[0]);
+    assert_memory_equal(&dirs[0], &dirs[1], sizeof dirs[0]);
+}
+
+static void lenses_and_films_are_kept_and_checked(void **state)
+{
+    (void)state;
+    air_context *context = fixture_context();
+    air_scene *scene = fixture_scene(context);
+    air_camera_desc desc, kept;
+    air_handle handle;
+    air_camera_desc_default(&desc);
+    assert_true(desc.lens_radius == 0.0f && desc.focus_distance == 1.0f && !desc.film.known);
+    desc.lens_radius = 0.1f;
+    desc.focus_distance = 7.0f;
+    desc.film = (air_film_hint){.known = true,
+                                .width = 320,
+                                .height = 200,
+                                .crop = {10, 20, 300, 150},
+                                .samples = 64,
+                                .filter = AIR_FILTER_MITCHELL,
+                                .filter_radius = 2.0f};
+    assert_int_equal(air_scene_add_camera(scene, &desc, &handle), AIR_OK);
+    air_snapshot *snapshot = fixture_commit(scene, NULL);
+    assert_int_equal(air_snapshot_camera_desc(snapshot, handle, &kept), AIR_OK);
+    assert_true(kept.lens_radius == 0.1f && kept.focus_distance == 7.0f);
+    assert_true(kept.film.known && kept.film.crop[3] == 150 && kept.film.samples == 64);
+    assert_int_equal(kept.film.filter, AIR_FILTER_MITCHELL);
+    air_snapshot_release(snapshot);
+    desc.focus_distance = 8.0f;
+    assert_int_equal(air_scene_set_camera(scene, handle, &desc), AIR_OK);
+    assert_int_equal(fixture_dirty(scene), AIR_DIRTY_CAMERA);
+    desc.film.crop[2] = 321;
+    assert_int_equal(air_scene_add_camera(scene, &desc, &handle), AIR_ERROR_ARGUMENT);
+    fixture_expect_message(context, "film.crop is 10,20 to 321,150, but must be a part of 320 x");
+    desc.film.known = false;
+    desc.focus_distance = 0.0f;
+    assert_int_equal(air_scene_add_camera(scene, &desc, &handle), AIR_ERROR_ARGUMENT);
+    fixture_expect_message(context, "focus_distance is 0, but must be above 0");
+    desc.focus_distance = 1.0f;
+    desc.lens_radius = -1.0f;
+    assert_int_equal(air_scene_add_camera(scene, &desc, &handle), AIR_ERROR_ARGUMENT);
+    fixture_expect_message(context, "lens_radius is -1");
+    air_scene_destroy(scene);
+    air_context_destroy(context);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -200,6 +319,10 @@ int main(void)
         cmocka_unit_test(nothing_to_frame_still_gives_a_camera),
         cmocka_unit_test(scale_shear_and_mirroring_of_cameras_are_dropped),
         cmocka_unit_test(bad_cameras_are_refused_by_field),
+        cmocka_unit_test(rays_through_a_lens_meet_in_the_plane_of_focus),
+        cmocka_unit_test(the_circle_of_confusion_has_its_size),
+        cmocka_unit_test(a_pinhole_is_a_lens_without_size),
+        cmocka_unit_test(lenses_and_films_are_kept_and_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

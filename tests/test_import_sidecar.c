@@ -794,6 +794,26 @@ static void the_last_sidecars_camera_is_the_first_of_the_scene(void **state)
     const float expected[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 5};
     for (size_t i = 0; i < 12; ++i)
         expect_near(second->to_world[i], (double)expected[i]);
+    assert_true(second->lens_radius == 0.0f);
+    import_finish(&f.base);
+}
+
+static void a_lens_is_in_focus_where_the_camera_looks(void **state)
+{
+    (void)state;
+    sidecar_fixture f;
+    start(&f);
+    beside_loads(&f, "{'camera':{'position':[0,0,5],'look_at':[0,0,2],'fov_y_degrees':40,"
+                     "'lens_radius':0.05}}");
+    expect_near(f.base.snapshot->cameras[0].lens_radius, 0.05);
+    expect_near(f.base.snapshot->cameras[0].focus_distance, 3.0);
+    beside_loads(&f, "{'camera':{'position':[0,0,5],'look_at':[0,0,2],'fov_y_degrees':40,"
+                     "'lens_radius':0.05,'focus_distance':7}}");
+    expect_near(f.base.snapshot->cameras[0].focus_distance, 7.0);
+    beside_refused(&f,
+                   "{'camera':{'position':[0,0,5],'look_at':[0,0,2],'half_height':1,"
+                   "'lens_radius':0.05}}",
+                   "$.camera.lens_radius: expected fov_y_degrees with it: a lens is perspective");
     import_finish(&f.base);
 }
 
@@ -904,6 +924,7 @@ int main(void)
         cmocka_unit_test(an_environment_is_constant_or_an_image),
         cmocka_unit_test(the_environment_argument_is_a_constant_or_an_image),
         cmocka_unit_test(the_last_sidecars_camera_is_the_first_of_the_scene),
+        cmocka_unit_test(a_lens_is_in_focus_where_the_camera_looks),
         cmocka_unit_test(bad_cameras_are_refused),
         cmocka_unit_test(flags_reach_the_objects_they_name),
         cmocka_unit_test(a_byte_order_mark_does_no_harm),

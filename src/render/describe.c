@@ -262,6 +262,10 @@ static json_t *describe_cameras(const air_snapshot *snapshot)
         else
             json_object_set_new(object, "half_height", number(camera->half_height));
         json_object_set_new(object, "aspect", number(camera->aspect));
+        set_if(object, perspective && camera->lens_radius > 0.0f, "lens_radius",
+               number(camera->lens_radius));
+        set_if(object, perspective && camera->lens_radius > 0.0f, "focus_distance",
+               number(camera->focus_distance));
         set_if(object, camera->framed, "frames_the_bounds", json_true());
         json_array_append_new(array, object);
     }

@@ -58,6 +58,9 @@ static float beam_number(const render_pass *pass, uint32_t x, uint32_t y, uint32
     return fminf((float)air_pattern_get(&source, x, y, index), 0x1.fffffep-1f);
 }
 
+/* Places on a lens have a set of random numbers of their own, beyond those of events. */
+enum { LENS_SET = 0x6c656e73 };
+
 static void make_lane(const render_pass *pass, uint32_t x, uint32_t y, uint32_t sample,
                       air_path_lane *lane)
 {
@@ -69,7 +72,11 @@ static void make_lane(const render_pass *pass, uint32_t x, uint32_t y, uint32_t 
     lane->sampler = air_sampler_make(&picture->sobol, pixel_seed(picture, x, y, replicate), index);
     const air_f32x4 u = air_sampler_get(&lane->sampler, 0);
     air_picture_sample_position(picture, x, y, u[0], u[1], &at_x, &at_y);
-    air_camera_view_ray(&picture->view, at_x, at_y, &lane->origin, &lane->dir);
+    const air_f32x4 lens = picture->view.lens_radius > 0.0f
+                               ? air_sampler_get(&lane->sampler, LENS_SET)
+                               : (air_f32x4){0.0f, 0.0f, 0.0f, 0.0f};
+    air_camera_view_lens_ray(&picture->view, at_x, at_y, lens[0], lens[1], &lane->origin,
+                             &lane->dir);
     lane->u_distance = u[2];
     lane->u_pick = u[3];
     lane->u_beam = picture->params->pattern == AIR_PATTERN_STRATIFIED

@@ -18,6 +18,10 @@ static uint64_t settings_hash(const air_picture *picture)
     uint64_t hash = air_fingerprint_snapshot(picture->snapshot);
     hash = air_fingerprint_add(hash, rays, sizeof rays);
     hash = air_fingerprint_add(hash, numbers, sizeof numbers);
+    if (view->lens_radius > 0.0f) {
+        const float lens[] = {view->lens_radius, view->focus_distance};
+        hash = air_fingerprint_add(hash, lens, sizeof lens);
+    }
     hash = air_fingerprint_add(hash, &p->filter_radius, sizeof p->filter_radius);
     if (p->area_table != NULL) {
         hash = air_fingerprint_add(hash, p->area_table->knots, sizeof p->area_table->knots);

@@ -9,11 +9,6 @@
 #include "render/picture.h"
 #include "render/render_state.h"
 
-float air_filter_radius_default(air_filter filter)
-{
-    return filter == AIR_FILTER_GAUSSIAN ? 1.5f : filter == AIR_FILTER_TENT ? 1.0f : 0.5f;
-}
-
 void air_render_params_default(air_render_params *params)
 {
     memset(params, 0, sizeof *params);

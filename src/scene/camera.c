@@ -13,7 +13,24 @@ void air_camera_desc_default(air_camera_desc *desc)
                               .to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0},
                               .fov_y_rad = DEFAULT_FOV_Y_RAD,
                               .half_height = 1.0f,
+                              .focus_distance = 1.0f,
                               .aspect = DEFAULT_ASPECT};
+}
+
+float air_filter_radius_default(air_filter filter)
+{
+    switch (filter) {
+    case AIR_FILTER_MITCHELL:
+        return 2.0f;
+    case AIR_FILTER_GAUSSIAN:
+        return 1.5f;
+    case AIR_FILTER_TENT:
+        return 1.0f;
+    case AIR_FILTER_BOX:
+    case AIR_FILTER_POINT:
+        break;
+    }
+    return 0.5f;
 }
 
 /* ---- records ---- */
@@ -51,27 +68,72 @@ static bool orthonormalize(float map[12])
     return true;
 }
 
+static air_status check_size(const air_subject *subject, const air_camera_desc *desc)
+{
+    const bool perspective = desc->kind == AIR_CAMERA_PERSPECTIVE;
+    const float size = perspective ? desc->fov_y_rad : desc->half_height;
+    const float limit = perspective ? AIR_PI_F : INFINITY;
+    if (!(size > 0.0f && size < limit))
+        return air_subject_fail(subject, "%s is %g, but must be above 0 and %s",
+                                perspective ? "fov_y_rad" : "half_height", (double)size,
+                                perspective ? "below pi" : "finite");
+    if (!(desc->aspect > 0.0f && isfinite(desc->aspect)))
+        return air_subject_fail(subject, "aspect is %g, but must be above 0 and finite",
+                                (double)desc->aspect);
+    return AIR_OK;
+}
+
+static air_status check_lens(const air_subject *subject, const air_camera_desc *desc)
+{
+    if (!(desc->lens_radius >= 0.0f && isfinite(desc->lens_radius)))
+        return air_subject_fail(subject, "lens_radius is %g, but must be at least 0 and finite",
+                                (double)desc->lens_radius);
+    if (!(desc->focus_distance > 0.0f && isfinite(desc->focus_distance)))
+        return air_subject_fail(subject, "focus_distance is %g, but must be above 0 and finite",
+                                (double)desc->focus_distance);
+    return AIR_OK;
+}
+
+static air_status check_film(const air_subject *subject, const air_film_hint *film)
+{
+    const size_t *crop = film->crop;
+    if (!film->known)
+        return AIR_OK;
+    if (film->width < 1 || film->height < 1 || film->width > 65535 || film->height > 65535)
+        return air_subject_fail(subject, "film is %zu x %zu, but each must be 1 to 65535",
+                                film->width, film->height);
+    if (!(crop[0] < crop[2] && crop[2] <= film->width && crop[1] < crop[3] &&
+          crop[3] <= film->height))
+        return air_subject_fail(subject,
+                                "film.crop is %zu,%zu to %zu,%zu, but must be a part of %zu x %zu",
+                                crop[0], crop[1], crop[2], crop[3], film->width, film->height);
+    if (film->samples < 1)
+        return air_subject_fail(subject, "film.samples is 0, but must be at least 1");
+    const air_status status =
+        air_subject_check_enum(subject, "film.filter", (int)film->filter, AIR_FILTER_MITCHELL + 1);
+    if (status == AIR_OK && !(film->filter_radius > 0.0f && isfinite(film->filter_radius)))
+        return air_subject_fail(subject, "film.filter_radius is %g, but must be above 0 and finite",
+                                (double)film->filter_radius);
+    return status;
+}
+
 air_status air_camera_record_create(air_context *context, const air_camera_desc *desc,
                                     air_record **out_record)
 {
     const air_subject subject = {context, "camera", desc->name};
-    const bool perspective = desc->kind == AIR_CAMERA_PERSPECTIVE;
-    const float size = perspective ? desc->fov_y_rad : desc->half_height;
-    const float limit = perspective ? AIR_PI_F : INFINITY;
     float to_world[12];
     memcpy(to_world, desc->to_world, sizeof to_world);
     air_status status = air_subject_check_enum(&subject, "kind", (int)desc->kind, 2);
     if (status == AIR_OK)
         status = air_subject_check(&subject, "to_world", to_world, 12, -INFINITY, INFINITY);
+    if (status == AIR_OK)
+        status = check_size(&subject, desc);
+    if (status == AIR_OK)
+        status = check_lens(&subject, desc);
+    if (status == AIR_OK)
+        status = check_film(&subject, &desc->film);
     if (status != AIR_OK)
         return status;
-    if (!(size > 0.0f && size < limit))
-        return air_subject_fail(&subject, "%s is %g, but must be above 0 and %s",
-                                perspective ? "fov_y_rad" : "half_height", (double)size,
-                                perspective ? "below pi" : "finite");
-    if (!(desc->aspect > 0.0f && isfinite(desc->aspect)))
-        return air_subject_fail(&subject, "aspect is %g, but must be above 0 and finite",
-                                (double)desc->aspect);
     if (!orthonormalize(to_world))
         return air_subject_fail(&subject,
                                 "to_world has no viewing direction, or it is parallel to up");
@@ -86,11 +148,28 @@ air_status air_camera_record_create(air_context *context, const air_camera_desc 
     return AIR_OK;
 }
 
+static bool lens_equal(const air_camera_desc *a, const air_camera_desc *b)
+{
+    return a->lens_radius == b->lens_radius &&
+           (a->lens_radius == 0.0f || a->focus_distance == b->focus_distance);
+}
+
+static bool film_equal(const air_film_hint *a, const air_film_hint *b)
+{
+    if (!a->known || !b->known)
+        return a->known == b->known;
+    return a->width == b->width && a->height == b->height &&
+           air_bytes_equal(a->crop, b->crop, sizeof a->crop) && a->samples == b->samples &&
+           a->filter == b->filter && a->filter_radius == b->filter_radius;
+}
+
 bool air_camera_equal(const air_camera_desc *a, const air_camera_desc *b)
 {
-    const bool size_equal = a->kind == AIR_CAMERA_PERSPECTIVE ? a->fov_y_rad == b->fov_y_rad
-                                                              : a->half_height == b->half_height;
+    const bool size_equal = a->kind == AIR_CAMERA_PERSPECTIVE
+                                ? a->fov_y_rad == b->fov_y_rad && lens_equal(a, b)
+                                : a->half_height == b->half_height;
     return a->kind == b->kind && size_equal && a->aspect == b->aspect &&
+           film_equal(&a->film, &b->film) &&
            air_bytes_equal(a->to_world, b->to_world, sizeof a->to_world);
 }
 
@@ -152,4 +231,8 @@ void air_camera_view_init(const air_camera *camera, size_t width, size_t height,
     out_view->dir = perspective ? vec3_sub(corner, back) : vec3_neg(back);
     out_view->step_x = vec3_scale(right, pixel);
     out_view->step_y = vec3_scale(up, -pixel);
+    out_view->lens_radius = perspective ? camera->lens_radius : 0.0f;
+    out_view->focus_distance = camera->focus_distance;
+    out_view->right = right;
+    out_view->up = up;
 }

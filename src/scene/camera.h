@@ -2,6 +2,7 @@
 #ifndef AIR_SCENE_CAMERA_H
 #define AIR_SCENE_CAMERA_H
 
+#include "core/warp.h"
 #include "scene/record.h"
 #include "scene/snapshot.h"
 
@@ -30,6 +31,8 @@ typedef struct air_camera_view {
     air_vec3 dir;    /* of the ray through (0, 0), not unit (perspective), or of all rays, unit */
     air_vec3 step_x,
         step_y; /* what one pixel to the right and one down add to dir (perspective) or origin */
+    float lens_radius, focus_distance; /* of a thin lens about the origin; 0: a pinhole */
+    air_vec3 right, up;                /* unit, across the view */
 } air_camera_view;
 
 /* The vertical field of view (or height) fills the picture's height; pixels are square. */
@@ -50,7 +53,23 @@ static inline void air_camera_view_ray(const air_camera_view *view, float x, flo
     }
 }
 
-/* The same for a single ray. */
+/* The same through the place (u1, u2) of the lens, [0, 1) each: rays of all places meet where the
+ * plane of focus is. */
+static inline void air_camera_view_lens_ray(const air_camera_view *view, float x, float y, float u1,
+                                            float u2, air_vec3 *out_origin, air_vec3 *out_dir)
+{
+    air_camera_view_ray(view, x, y, out_origin, out_dir);
+    if (view->lens_radius > 0.0f) {
+        const air_vec3 back = vec3_cross(view->right, view->up);
+        const float way = -view->focus_distance / vec3_dot(back, *out_dir);
+        const air_vec3 disk = vec3_scale(sample_disk_concentric(u1, u2), view->lens_radius);
+        const air_vec3 shift = vec3_madd(vec3_scale(view->right, disk.x), disk.y, view->up);
+        *out_origin = vec3_add(*out_origin, shift);
+        *out_dir = vec3_normalize(vec3_sub(vec3_scale(*out_dir, way), shift));
+    }
+}
+
+/* The same for a single ray through the lens's middle. */
 static inline void air_camera_ray(const air_camera *camera, size_t width, size_t height, float x,
                                   float y, air_vec3 *out_origin, air_vec3 *out_dir)
 {

@@ -205,6 +205,9 @@ static air_camera camera_form(const air_camera_record *record, air_handle handle
                          .fov_y_rad = desc->fov_y_rad,
                          .half_height = desc->half_height,
                          .aspect = desc->aspect,
+                         .lens_radius = desc->lens_radius,
+                         .focus_distance = desc->focus_distance,
+                         .film = desc->film,
                          .handle = handle,
                          .framed = handle == AIR_NONE};
     memcpy(camera.to_world, desc->to_world, sizeof camera.to_world);
@@ -318,6 +321,9 @@ air_status air_snapshot_camera_desc(const air_snapshot *snapshot, air_handle cam
                                   .kind = form->kind,
                                   .fov_y_rad = form->fov_y_rad,
                                   .half_height = form->half_height,
+                                  .lens_radius = form->lens_radius,
+                                  .focus_distance = form->focus_distance,
+                                  .film = form->film,
                                   .aspect = form->aspect};
     memcpy(out_desc->to_world, form->to_world, sizeof out_desc->to_world);
     return AIR_OK;

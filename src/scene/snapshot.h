@@ -72,6 +72,8 @@ typedef struct air_camera {
     air_camera_kind kind;
     float to_world[12]; /* orthonormal */
     float fov_y_rad, half_height, aspect;
+    float lens_radius, focus_distance;
+    air_film_hint film;
     air_handle handle;
     bool framed; /* made by commit to frame the bounds */
 } air_camera;

@@ -15,7 +15,7 @@ static void set_view(air_vec3 position, air_vec3 forward, air_vec3 right, float 
     }
 }
 
-static air_status read_view(const air_json *at, float out[12])
+static air_status read_view(const air_json *at, float out[12], float *out_distance)
 {
     const air_json position_at = air_json_get(at, "position");
     const air_json target_at = air_json_get(at, "look_at");
@@ -44,7 +44,21 @@ static air_status read_view(const air_json *at, float out[12])
     if (vec3_length(right) < 1e-4f) /* straight down or up: north is -Z, as on a map */
         right = vec3_cross(forward, vec3(0.0f, 0.0f, -1.0f));
     set_view(vec3_load(position), forward, vec3_normalize(right), out);
+    *out_distance = distance;
     return AIR_OK;
+}
+
+/* In focus is what lies as far as look_at, unless said otherwise. */
+static air_status read_thin_lens(const air_json *at, air_camera_desc *desc)
+{
+    const air_json radius_at = air_json_get(at, "lens_radius");
+    const air_json focus_at = air_json_get(at, "focus_distance");
+    if (desc->kind != AIR_CAMERA_PERSPECTIVE && (radius_at.value != NULL || focus_at.value != NULL))
+        return air_json_fail(radius_at.value != NULL ? &radius_at : &focus_at, AIR_ERROR_FORMAT,
+                             "expected fov_y_degrees with it: a lens is perspective");
+    const air_status status = air_json_float(&radius_at, AIR_JSON_NON_NEGATIVE, &desc->lens_radius);
+    return status == AIR_OK ? air_json_float(&focus_at, AIR_JSON_POSITIVE, &desc->focus_distance)
+                            : status;
 }
 
 static air_status read_lens(const air_json *at, air_camera_desc *desc)
@@ -69,13 +83,14 @@ static air_status read_lens(const air_json *at, air_camera_desc *desc)
     desc->kind = fov_at.value != NULL ? AIR_CAMERA_PERSPECTIVE : AIR_CAMERA_ORTHOGRAPHIC;
     if (fov_at.value != NULL)
         desc->fov_y_rad = (float)(fov * AIR_PI / 180.0);
-    return AIR_OK;
+    return read_thin_lens(at, desc);
 }
 
 air_status air_sidecar_add_camera(const air_sidecar_part *part)
 {
-    static const char *const keys[] = {"name",          "position",    "look_at", "up",
-                                       "fov_y_degrees", "half_height", "aspect"};
+    static const char *const keys[] = {"name",   "position",      "look_at",
+                                       "up",     "fov_y_degrees", "half_height",
+                                       "aspect", "lens_radius",   "focus_distance"};
     const air_json name_at = air_json_get(part->at, "name");
     air_camera_desc desc;
     air_camera_desc_default(&desc);
@@ -88,7 +103,7 @@ air_status air_sidecar_add_camera(const air_sidecar_part *part)
     if (status == AIR_OK)
         status = air_json_string(&name_at, &desc.name);
     if (status == AIR_OK)
-        status = read_view(part->at, local);
+        status = read_view(part->at, local, &desc.focus_distance);
     if (status == AIR_OK)
         status = read_lens(part->at, &desc);
     if (status != AIR_OK)
