@@ -37,6 +37,7 @@ static const known_object objects[] = {
     {"$defs spot_light", "{'lights':[{'type':'spot','?':1}]}"},
     {"$defs collimated_light", "{'lights':[{'type':'collimated','?':1}]}"},
     {"$defs polygon_light", "{'lights':[{'type':'polygon','?':1}]}"},
+    {"$defs projector_light", "{'lights':[{'type':'projector','?':1}]}"},
     {"$defs environment_light", "{'lights':[{'type':'environment','?':1}]}"},
     {"$defs camera", "{'camera':{'?':1}}"},
     {"$defs node", NULL},

@@ -702,6 +702,18 @@ static void point_and_spot_lights_are_radiometric(void **state)
                  "'inner_cone_degrees':20,'outer_cone_degrees':60}]}");
     const double scale = 1.0 / (cos(AIR_PI / 9.0) - 0.5);
     assert_true(fabs((double)only_light(&f)->spot_scale - scale) < 1e-4 * scale);
+    assert_int_equal(only_light(&f)->falloff, AIR_SPOT_COSINE);
+    beside_loads(&f,
+                 "{'lights':[{'type':'spot','position':[0,3,0],'direction':[0,-1,0],'intensity':4,"
+                 "'falloff':'angle'}]}");
+    assert_int_equal(only_light(&f)->falloff, AIR_SPOT_ANGLE);
+    beside_loads(&f, "{'lights':[{'type':'projector','position':[0,3,0],'direction':[0,-1,0],"
+                     "'fov_x_degrees':90,'intensity':4}]}");
+    assert_int_equal(only_light(&f)->kind, AIR_LIGHT_PROJECTOR);
+    assert_true(fabsf(only_light(&f)->tan_half[1] - 1.0f) < 1e-6f);
+    expect_near(only_light(&f)->frame.s.x, 1.0); /* north, -Z, is up in the picture */
+    expect_near(only_light(&f)->frame.t.z, -1.0);
+    expect_near(only_light(&f)->frame.n.y, 1.0);
     beside_refused(
         &f,
         "{'lights':[{'type':'spot','position':[0,3,0],'direction':[0,-1,0],'intensity':4,"

@@ -51,7 +51,7 @@ static box scene_box(const air_snapshot *snapshot)
     box b = {vec3_load(snapshot->bounds_min), vec3_load(snapshot->bounds_max)};
     for (size_t i = 0; i < snapshot->lights.explicit_count; i++) {
         const air_light *light = &snapshot->lights.entries[i];
-        if (light->kind == AIR_LIGHT_POINT || light->kind == AIR_LIGHT_SPOT) {
+        if (air_light_is_placed(light)) {
             b = box_is_empty(b) ? (box){light->position, light->position}
                                 : box_add(b, light->position);
         }
@@ -86,7 +86,7 @@ static bool lamp_of(const air_light *light, air_vec3 *out_center, float *out_rad
 {
     *out_center = light->position;
     *out_radius = 0.0f;
-    if (light->kind == AIR_LIGHT_POINT || light->kind == AIR_LIGHT_SPOT) {
+    if (air_light_is_placed(light)) {
         return true;
     }
     if (light->kind != AIR_LIGHT_POLYGON || light->vertex_count == 0) {

@@ -123,9 +123,11 @@ static json_t *describe_materials(const air_snapshot *snapshot)
 
 static json_t *describe_light(const air_light *light)
 {
-    static const char *const kinds[] = {"point", "spot", "collimated", "polygon", "environment"};
-    static const char *const units[] = {"W/sr", "W/sr", "W/m^2", "W/(m^2 sr)", "W/(m^2 sr)"};
-    const bool placed = light->kind == AIR_LIGHT_POINT || light->kind == AIR_LIGHT_SPOT;
+    static const char *const kinds[] = {"point",   "spot",        "collimated",
+                                        "polygon", "environment", "projector"};
+    static const char *const units[] = {"W/sr",       "W/sr",       "W/m^2",
+                                        "W/(m^2 sr)", "W/(m^2 sr)", "W/sr"};
+    const bool placed = air_light_is_placed(light);
     const bool directed = light->kind == AIR_LIGHT_SPOT || light->kind == AIR_LIGHT_COLLIMATED;
     const bool polygon = light->kind == AIR_LIGHT_POLYGON;
     const bool seen = polygon || light->kind == AIR_LIGHT_ENVIRONMENT;

@@ -53,15 +53,20 @@ static uint64_t add_mesh(uint64_t hash, const air_mesh *mesh)
     return ADD(hash, mesh->mask);
 }
 
+static uint64_t add_texels(uint64_t hash, const air_texture *texture)
+{
+    const size_t values = texture->width * texture->height * texture->channels;
+    hash = add_array(hash, texture->bytes, values);
+    return add_array(hash, texture->floats, values * sizeof(float));
+}
+
 static uint64_t add_slot(uint64_t hash, const air_texture_slot *slot)
 {
     const air_texture *texture = slot->texture;
     if (texture == NULL) {
         return hash;
     }
-    const size_t values = texture->width * texture->height * texture->channels;
-    hash = add_array(hash, texture->bytes, values);
-    hash = add_array(hash, texture->floats, values * sizeof(float));
+    hash = add_texels(hash, texture);
     hash = ADD(hash, texture->wrap_u);
     hash = ADD(hash, texture->wrap_v);
     hash = ADD(hash, texture->filter);
@@ -94,6 +99,14 @@ static uint64_t add_light(uint64_t hash, const air_light *light)
     hash = ADD(hash, light->dir);
     hash = ADD(hash, light->spot_scale);
     hash = ADD(hash, light->spot_offset);
+    if (light->falloff != AIR_SPOT_COSINE) {
+        hash = ADD(hash, light->falloff);
+    }
+    if (light->kind == AIR_LIGHT_PROJECTOR) {
+        hash = ADD(hash, light->frame);
+        hash = ADD(hash, light->tan_half);
+        hash = light->emission_texture != NULL ? add_texels(hash, light->emission_texture) : hash;
+    }
     const size_t corners =
         light->window_count > 0 ? light->window_ends[light->window_count - 1] : 0;
     hash = add_array(hash, light->windows, 2 * corners * sizeof(double));

@@ -61,7 +61,7 @@ air_status air_light_record_create(air_context *context, const air_light_desc *d
 
 size_t air_light_links(const air_light_desc *desc, air_link out_links[AIR_MAX_LINKS])
 {
-    if (desc->kind != AIR_LIGHT_ENVIRONMENT)
+    if (desc->kind != AIR_LIGHT_ENVIRONMENT && desc->kind != AIR_LIGHT_PROJECTOR)
         return 0;
     out_links[0] = (air_link){desc->image, AIR_OBJECT_TEXTURE, "image", false};
     return 1;
@@ -88,13 +88,18 @@ static bool shape_equal(const air_light_desc *a, const air_light_desc *b)
     case AIR_LIGHT_SPOT:
         return air_bytes_equal(a->position, b->position, sizeof a->position) &&
                air_bytes_equal(a->dir, b->dir, sizeof a->dir) &&
-               a->inner_cone_rad == b->inner_cone_rad && a->outer_cone_rad == b->outer_cone_rad;
+               a->inner_cone_rad == b->inner_cone_rad && a->outer_cone_rad == b->outer_cone_rad &&
+               a->falloff == b->falloff;
     case AIR_LIGHT_COLLIMATED:
         return air_bytes_equal(a->dir, b->dir, sizeof a->dir) && windows_equal(a, b);
     case AIR_LIGHT_POLYGON:
         return a->vertex_count == b->vertex_count && a->one_sided == b->one_sided &&
                a->camera_visible == b->camera_visible &&
                air_bytes_equal(a->vertices, b->vertices, a->vertex_count * 3 * sizeof(float));
+    case AIR_LIGHT_PROJECTOR:
+        return a->image == b->image && a->fov_x_rad == b->fov_x_rad &&
+               air_bytes_equal(a->position, b->position, sizeof a->position) &&
+               air_bytes_equal(a->to_world, b->to_world, sizeof a->to_world);
     case AIR_LIGHT_ENVIRONMENT:
         return a->image == b->image && a->camera_visible == b->camera_visible &&
                air_bytes_equal(a->to_world, b->to_world, sizeof a->to_world);

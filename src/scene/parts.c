@@ -263,9 +263,10 @@ static air_status build_lights(const air_snapshot *snapshot, air_lights_part *pa
     }
     for (size_t i = 0; i < part->count; ++i) {
         const air_light_desc *desc = &part->sources[i]->desc;
-        const air_record *image = desc->kind == AIR_LIGHT_ENVIRONMENT
-                                      ? named_record(snapshot, AIR_OBJECT_TEXTURE, desc->image)
-                                      : NULL;
+        air_link links[AIR_MAX_LINKS];
+        const bool linked = air_light_links(desc, links) > 0;
+        const air_record *image =
+            linked ? named_record(snapshot, AIR_OBJECT_TEXTURE, desc->image) : NULL;
         sources[i].desc = desc;
         sources[i].image = image == NULL ? NULL : &((const air_texture_record *)image)->texture;
     }

@@ -166,8 +166,7 @@ static void from_point(const air_light *light, const float u[2], ord_photon *out
     out->dir = sample_sphere(u[0], u[1]);
     out->flux = vec3_scale(light->color, 4.0f * AIR_PI_F);
     if (light->kind == AIR_LIGHT_SPOT) {
-        const float opening =
-            float_min(float_max(1.0f + light->spot_offset / light->spot_scale, 1e-7f), 2.0f);
+        const float opening = air_spot_opening(light);
         const air_frame frame = frame_from_normal(light->dir);
         const air_vec3 local = sample_cone(u[0], u[1], opening);
         out->dir = frame_to_world(&frame, local);

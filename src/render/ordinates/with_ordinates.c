@@ -24,8 +24,12 @@ static bool has_end(const air_medium *medium)
 
 static bool applies(const air_snapshot *snapshot, size_t light, char reason[AIR_METHOD_REASON])
 {
+    const air_light_table *lights = &snapshot->lights;
     bool scatters = false;
-    (void)light;
+    if (light < lights->explicit_count && lights->entries[light].kind == AIR_LIGHT_PROJECTOR) {
+        snprintf(reason, AIR_METHOD_REASON, "it is a projector");
+        return false;
+    }
     for (size_t i = 0; i < snapshot->media.count; i++) {
         const air_medium *medium = &snapshot->media.media[i];
         if (!vec3_is_zero(medium->sigma_t) && !has_end(medium)) {

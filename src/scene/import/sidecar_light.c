@@ -149,6 +149,9 @@ static air_status read_spot(const air_sidecar_part *part, air_light_desc *desc)
 {
     const air_json inner_at = air_json_get(part->at, "inner_cone_degrees");
     const air_json outer_at = air_json_get(part->at, "outer_cone_degrees");
+    const air_json falloff_at = air_json_get(part->at, "falloff");
+    static const char *const shapes[] = {"cosine", "angle"};
+    size_t shape = 0;
     double inner = 0.0, outer = 45.0;
     air_status status = read_point(part, "position", desc->position);
     if (status == AIR_OK)
@@ -163,6 +166,9 @@ static air_status read_spot(const air_sidecar_part *part, air_light_desc *desc)
         status = air_json_number(&inner_at, AIR_JSON_NON_NEGATIVE, &inner);
     if (status == AIR_OK && inner >= outer)
         status = air_json_expected(&inner_at, "an angle below the outer one (%g degrees)", outer);
+    if (status == AIR_OK && falloff_at.value != NULL)
+        status = air_json_choice(&falloff_at, shapes, sizeof shapes / sizeof shapes[0], &shape);
+    desc->falloff = (air_spot_shape)shape;
     desc->inner_cone_rad = (float)(inner * AIR_PI / 180.0);
     desc->outer_cone_rad = (float)(outer * AIR_PI / 180.0);
     return status;
@@ -210,19 +216,19 @@ static air_status read_environment_rotation(const air_sidecar_part *part, float 
     return AIR_OK;
 }
 
-static air_status read_environment(const air_sidecar_part *part, air_light_desc *desc)
+/* The image, if there is one, and a factor on it, which may then be missing. */
+static air_status read_image(const air_sidecar_part *part, const char *quantity,
+                             air_light_desc *desc)
 {
     const air_json image_at = air_json_get(part->at, "image");
-    const air_json radiance_at = air_json_get(part->at, "radiance");
+    const air_json factor_at = air_json_get(part->at, quantity);
     const char *image = NULL;
     air_context *context = part->import->context;
     air_status status = air_json_string(&image_at, &image);
-    if (status == AIR_OK && (image == NULL || radiance_at.value != NULL))
-        status = read_quantity(part->at, "radiance", desc);
+    if (status == AIR_OK && (image == NULL || factor_at.value != NULL))
+        status = read_quantity(part->at, quantity, desc);
     else
         desc->color[0] = desc->color[1] = desc->color[2] = 1.0f;
-    if (status == AIR_OK)
-        status = read_environment_rotation(part, desc->to_world);
     if (status != AIR_OK || image == NULL)
         return status;
     char *path = air_path_join(context, part->at->document->folder, image);
@@ -232,12 +238,60 @@ static air_status read_environment(const air_sidecar_part *part, air_light_desc 
     return status;
 }
 
+static air_status read_environment(const air_sidecar_part *part, air_light_desc *desc)
+{
+    const air_status status = read_environment_rotation(part, desc->to_world);
+    return status == AIR_OK ? read_image(part, "radiance", desc) : status;
+}
+
+/* Along `direction`, with `up` upwards in the picture. */
+static air_status read_projector_frame(const air_sidecar_part *part, air_light_desc *desc)
+{
+    const air_json up_at = air_json_get(part->at, "up");
+    float local_up[3] = {0.0f, 1.0f, 0.0f}, dir[3];
+    air_status status = read_world_direction(part, dir);
+    if (status == AIR_OK && up_at.value != NULL)
+        status = air_sidecar_read_direction(&up_at, local_up);
+    if (status != AIR_OK)
+        return status;
+    const air_vec3 back = vec3_neg(vec3_load(dir));
+    air_vec3 right = vec3_cross(affine_vector(part->to_world, vec3_load(local_up)), back);
+    if (!(vec3_length(right) > 1e-4f) && up_at.value == NULL)
+        right = vec3_cross(vec3(0.0f, 0.0f, -1.0f), back); /* straight down: north is -Z */
+    if (!(vec3_length(right) > 1e-4f))
+        return air_json_expected(&up_at, "a direction that is not that of the light");
+    right = vec3_normalize(right);
+    const air_vec3 columns[3] = {right, vec3_cross(back, right), back};
+    for (size_t i = 0; i < 3; ++i) {
+        desc->to_world[i] = columns[i].x;
+        desc->to_world[3 + i] = columns[i].y;
+        desc->to_world[6 + i] = columns[i].z;
+    }
+    return AIR_OK;
+}
+
+static air_status read_projector(const air_sidecar_part *part, air_light_desc *desc)
+{
+    const air_json fov_at = air_json_get(part->at, "fov_x_degrees");
+    double fov = 45.0;
+    air_status status = read_point(part, "position", desc->position);
+    if (status == AIR_OK)
+        status = read_projector_frame(part, desc);
+    if (status == AIR_OK)
+        status = air_json_number(&fov_at, AIR_JSON_POSITIVE, &fov);
+    if (status == AIR_OK && fov >= 179.9)
+        status = air_json_expected(&fov_at, "an angle below 179.9 degrees");
+    desc->fov_x_rad = (float)(fov * AIR_PI / 180.0);
+    return status == AIR_OK ? read_image(part, "intensity", desc) : status;
+}
+
 typedef enum air_light_word {
     AIR_WORD_POINT = 0,
     AIR_WORD_SPOT = 1,
     AIR_WORD_COLLIMATED = 2,
     AIR_WORD_POLYGON = 3,
-    AIR_WORD_ENVIRONMENT = 4
+    AIR_WORD_ENVIRONMENT = 4,
+    AIR_WORD_PROJECTOR = 5
 } air_light_word;
 
 static air_status check_light_keys(const air_json *at, air_light_word word)
@@ -245,7 +299,8 @@ static air_status check_light_keys(const air_json *at, air_light_word word)
     static const char *const point[] = {"type", "name", "position", "intensity", "casts_shadow"};
     static const char *const spot[] = {
         "type",      "name",         "position",           "direction",
-        "intensity", "casts_shadow", "inner_cone_degrees", "outer_cone_degrees"};
+        "intensity", "casts_shadow", "inner_cone_degrees", "outer_cone_degrees",
+        "falloff"};
     static const char *const collimated[] = {"type",       "name", "direction",
                                              "irradiance", "gobo", "casts_shadow"};
     static const char *const polygon[] = {"type",      "name",           "vertices",    "radiance",
@@ -253,6 +308,9 @@ static air_status check_light_keys(const air_json *at, air_light_word word)
     static const char *const environment[] = {"type",           "name",        "image",
                                               "radiance",       "rotation",    "rotation_y_degrees",
                                               "camera_visible", "casts_shadow"};
+    static const char *const projector[] = {"type",      "name",      "position",
+                                            "direction", "up",        "fov_x_degrees",
+                                            "image",     "intensity", "casts_shadow"};
     switch (word) {
     case AIR_WORD_POINT:
         return air_json_check_keys(at, point, sizeof point / sizeof point[0]);
@@ -262,6 +320,8 @@ static air_status check_light_keys(const air_json *at, air_light_word word)
         return air_json_check_keys(at, collimated, sizeof collimated / sizeof collimated[0]);
     case AIR_WORD_POLYGON:
         return air_json_check_keys(at, polygon, sizeof polygon / sizeof polygon[0]);
+    case AIR_WORD_PROJECTOR:
+        return air_json_check_keys(at, projector, sizeof projector / sizeof projector[0]);
     case AIR_WORD_ENVIRONMENT:
         break;
     }
@@ -286,6 +346,9 @@ static air_status read_kind(const air_sidecar_part *part, air_light_word word, a
     case AIR_WORD_POLYGON:
         desc->kind = AIR_LIGHT_POLYGON;
         return read_polygon(part, desc, arrays);
+    case AIR_WORD_PROJECTOR:
+        desc->kind = AIR_LIGHT_PROJECTOR;
+        return read_projector(part, desc);
     case AIR_WORD_ENVIRONMENT:
         break;
     }
@@ -308,7 +371,8 @@ static air_status check_with_place(const air_sidecar_part *part, const air_light
 
 air_status air_sidecar_add_light(const air_sidecar_part *part)
 {
-    static const char *const types[] = {"point", "spot", "collimated", "polygon", "environment"};
+    static const char *const types[] = {"point",   "spot",        "collimated",
+                                        "polygon", "environment", "projector"};
     const air_json type_at = air_json_get(part->at, "type");
     const air_json name_at = air_json_get(part->at, "name");
     const air_json visible_at = air_json_get(part->at, "camera_visible");

@@ -35,11 +35,15 @@ static air_status build_light(air_context *context, const air_light_source *sour
     switch (desc->kind) {
     case AIR_LIGHT_SPOT:
         out->dir = unit(desc->dir);
-        air_spot_set_cone(out, (double)desc->inner_cone_rad, (double)desc->outer_cone_rad);
+        air_spot_set_cone(out, desc->falloff, (double)desc->inner_cone_rad,
+                          (double)desc->outer_cone_rad);
         out->position = vec3_load(desc->position);
         return AIR_OK;
     case AIR_LIGHT_POINT:
         out->position = vec3_load(desc->position);
+        return AIR_OK;
+    case AIR_LIGHT_PROJECTOR:
+        air_projector_set(out, desc, source->image);
         return AIR_OK;
     case AIR_LIGHT_COLLIMATED:
         out->dir = unit(desc->dir);

@@ -11,6 +11,7 @@ void air_light_desc_default(air_light_desc *desc)
         .kind = AIR_LIGHT_POINT,
         .dir = {0.0f, -1.0f, 0.0f},
         .outer_cone_rad = AIR_PI_F / 4.0f,
+        .fov_x_rad = AIR_PI_F / 4.0f,
         .one_sided = true,
         .camera_visible = true,
         .casts_shadow = true,
@@ -36,7 +37,12 @@ static air_status check_direction(const air_subject *subject, const float dir[3]
 
 static air_status check_cone(const air_subject *subject, const air_light_desc *desc)
 {
+    const air_status status =
+        air_subject_check_enum(subject, "falloff", (int)desc->falloff, AIR_SPOT_ANGLE + 1);
     const float inner = desc->inner_cone_rad, outer = desc->outer_cone_rad;
+    if (status != AIR_OK) {
+        return status;
+    }
     if (inner >= 0.0f && inner < outer && outer <= 0.5f * AIR_PI_F) {
         return AIR_OK;
     }
@@ -44,6 +50,15 @@ static air_status check_cone(const air_subject *subject, const air_light_desc *d
         subject,
         "inner_cone_rad is %g and outer_cone_rad %g, but 0 <= inner < outer <= pi/2 must hold",
         (double)inner, (double)outer);
+}
+
+static air_status check_fov(const air_subject *subject, const air_light_desc *desc)
+{
+    if (desc->fov_x_rad > 0.0f && desc->fov_x_rad < AIR_PI_F) {
+        return AIR_OK;
+    }
+    return air_subject_fail(subject, "fov_x_rad is %g, but must be above 0 and below pi",
+                            (double)desc->fov_x_rad);
 }
 
 /* ---- polygons ---- */
@@ -204,11 +219,12 @@ air_status air_light_check(air_context *context, const air_light_desc *desc)
 {
     const air_subject subject = {context, "light", desc->name};
     air_status status =
-        air_subject_check_enum(&subject, "kind", (int)desc->kind, AIR_LIGHT_ENVIRONMENT + 1);
+        air_subject_check_enum(&subject, "kind", (int)desc->kind, AIR_LIGHT_PROJECTOR + 1);
     if (status == AIR_OK) {
         status = air_subject_check(&subject, "color", desc->color, 3, 0.0f, 1e30f);
     }
-    if (status == AIR_OK && (desc->kind == AIR_LIGHT_POINT || desc->kind == AIR_LIGHT_SPOT)) {
+    if (status == AIR_OK && (desc->kind == AIR_LIGHT_POINT || desc->kind == AIR_LIGHT_SPOT ||
+                             desc->kind == AIR_LIGHT_PROJECTOR)) {
         status = air_subject_check(&subject, "position", desc->position, 3, -1e15f, 1e15f);
     }
     if (status == AIR_OK && (desc->kind == AIR_LIGHT_SPOT || desc->kind == AIR_LIGHT_COLLIMATED)) {
@@ -228,6 +244,9 @@ air_status air_light_check(air_context *context, const air_light_desc *desc)
         return check_polygon(&subject, desc->vertices, desc->vertex_count);
     case AIR_LIGHT_ENVIRONMENT:
         return check_rotation(&subject, desc->to_world);
+    case AIR_LIGHT_PROJECTOR:
+        status = check_fov(&subject, desc);
+        return status == AIR_OK ? check_rotation(&subject, desc->to_world) : status;
     }
     return AIR_ERROR_INTERNAL;
 }

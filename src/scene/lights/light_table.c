@@ -15,6 +15,7 @@ void air_light_sample(const air_light_table *table, uint32_t entry, float u1, fl
     case AIR_LIGHT_POINT:
     case AIR_LIGHT_SPOT:
     case AIR_LIGHT_COLLIMATED:
+    case AIR_LIGHT_PROJECTOR:
         air_punctual_sample(light, out);
         break;
     case AIR_LIGHT_POLYGON:
@@ -37,6 +38,7 @@ bool air_light_connect(const air_light_table *table, const air_light_point *ligh
     switch (light->kind) {
     case AIR_LIGHT_POINT:
     case AIR_LIGHT_SPOT:
+    case AIR_LIGHT_PROJECTOR:
         return air_punctual_connect(light, point, out);
     case AIR_LIGHT_COLLIMATED:
         return air_collimated_connect(light, point, out);

@@ -18,12 +18,17 @@ typedef struct air_light {
     air_light_kind kind; /* emissive triangles: AIR_LIGHT_POLYGON with vertex_count 3; quadrics:
                             AIR_LIGHT_POLYGON without vertices or triangles */
     air_vec3 color;
-    air_vec3 position;             /* point, spot */
-    air_vec3 dir;                  /* unit, direction of travel: spot, collimated */
-    air_frame frame;               /* collimated: of dir, in which windows are 2-D */
-    float spot_scale, spot_offset; /* KHR_lights_punctual: clamp(cos*scale + offset, 0, 1)^2 */
-    double *windows;               /* collimated: concatenated 2-D vertices in (frame.s, frame.t) */
-    size_t *window_ends;           /* one past the last vertex of each window */
+    air_vec3 position; /* point, spot, projector */
+    air_vec3 dir;      /* unit, direction of travel: spot, collimated */
+    air_frame frame;   /* collimated: of dir, in which windows are 2-D; projector: of its picture,
+                          to the right, up, and against the light */
+    float tan_half[2]; /* projector: of half the angles that width and height fill */
+    air_spot_shape falloff;
+    float spot_scale,
+        spot_offset;     /* COSINE: clamp(cos*scale + offset, 0, 1)^2, as
+                            KHR_lights_punctual; ANGLE: clamp(angle*scale + offset, 0, 1) */
+    double *windows;     /* collimated: concatenated 2-D vertices in (frame.s, frame.t) */
+    size_t *window_ends; /* one past the last vertex of each window */
     size_t window_count;
     air_vec3 *vertices; /* polygon: its vertices; normal is their front side */
     size_t vertex_count;
@@ -35,11 +40,11 @@ typedef struct air_light {
     bool inward;                /* quadrics: the front is where the normal points away from */
     float area;
     bool one_sided, camera_visible, casts_shadow;
-    struct air_environment *environment; /* environment with an image */
-    const struct air_texture
-        *emission_texture; /* emissive surfaces: radiance = color * texture(uv) */
-    float uv[3][2];        /* already transformed; of quadrics, of (0, 0), (1, 0) and (0, 1) */
-    uint32_t owner;        /* index among the snapshot's lights as callers count them */
+    struct air_environment *environment;        /* environment with an image */
+    const struct air_texture *emission_texture; /* emissive surfaces: radiance = color *
+                                                   texture(uv); projector: its picture; borrowed */
+    float uv[3][2]; /* already transformed; of quadrics, of (0, 0), (1, 0) and (0, 1) */
+    uint32_t owner; /* index among the snapshot's lights as callers count them */
 } air_light;
 
 typedef struct air_light_table {
@@ -64,7 +69,7 @@ typedef struct air_light_table {
 typedef struct air_light_point {
     uint32_t entry;
     bool infinite;     /* collimated, environment */
-    bool delta;        /* point, spot, collimated: cannot be hit */
+    bool delta;        /* point, spot, projector, collimated: cannot be hit */
     air_vec3 position; /* finite lights */
     air_vec3 normal;   /* area lights: front side */
     air_vec3 dir;      /* infinite lights: unit, towards the light */
@@ -83,6 +88,13 @@ typedef struct air_connection {
         pdf; /* delta: 1; else density per solid angle at the shaded point; without the selection
                 probability. A contribution is f(dir) * incident / (pdf * selection probability) */
 } air_connection;
+
+/* Does it shine from one point? */
+static inline bool air_light_is_placed(const air_light *light)
+{
+    return light->kind == AIR_LIGHT_POINT || light->kind == AIR_LIGHT_SPOT ||
+           light->kind == AIR_LIGHT_PROJECTOR;
+}
 
 /* Chooses an entry by power; *out_u is u rescaled to [0,1) within it. The table must not be empty.
  */

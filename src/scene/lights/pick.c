@@ -20,6 +20,8 @@ double air_light_flux(const air_light_table *table, const air_light *light)
         return 4.0 * AIR_PI * color;
     case AIR_LIGHT_SPOT:
         return air_spot_solid_angle(light) * color;
+    case AIR_LIGHT_PROJECTOR:
+        return (double)vec3_mean(vec3_mul(air_projector_solid_angle(light), light->color));
     case AIR_LIGHT_COLLIMATED:
         return color * (light->window_count > 0 ? fmin(disk, air_windows_area(light)) : disk);
     case AIR_LIGHT_POLYGON:

@@ -2,11 +2,19 @@
 #include "scene/lights/punctual.h"
 
 #include "airlight/collimated.h"
+#include "scene/texture.h"
 
 /* ---- spot ---- */
 
-void air_spot_set_cone(air_light *light, double inner_cone_rad, double outer_cone_rad)
+void air_spot_set_cone(air_light *light, air_spot_shape falloff, double inner_cone_rad,
+                       double outer_cone_rad)
 {
+    light->falloff = falloff;
+    if (falloff == AIR_SPOT_ANGLE) {
+        light->spot_scale = (float)(-1.0 / (outer_cone_rad - inner_cone_rad));
+        light->spot_offset = (float)(outer_cone_rad / (outer_cone_rad - inner_cone_rad));
+        return;
+    }
     /* KHR_lights_punctual: the difference of the cosines is kept from becoming 0 */
     const double scale = 1.0 / fmax(0.001, cos(inner_cone_rad) - cos(outer_cone_rad));
     light->spot_scale = (float)scale;
@@ -15,18 +23,103 @@ void air_spot_set_cone(air_light *light, double inner_cone_rad, double outer_con
 
 float air_spot_falloff(const air_light *light, float cosine)
 {
+    if (light->falloff == AIR_SPOT_ANGLE) {
+        const float angle = acosf(fminf(fmaxf(cosine, -1.0f), 1.0f));
+        return fminf(fmaxf(angle * light->spot_scale + light->spot_offset, 0.0f), 1.0f);
+    }
     const float x = fminf(fmaxf(cosine * light->spot_scale + light->spot_offset, 0.0f), 1.0f);
     return x * x;
 }
 
+/* The inner and outer angle of a falloff that is linear between them. */
+static void linear_angles(const air_light *light, double *inner, double *outer)
+{
+    const double width = -1.0 / (double)light->spot_scale;
+    *outer = (double)light->spot_offset * width;
+    *inner = fmax(*outer - width, 0.0);
+}
+
+float air_spot_opening(const air_light *light)
+{
+    if (light->falloff == AIR_SPOT_ANGLE) {
+        double inner, outer;
+        linear_angles(light, &inner, &outer);
+        const double half = sin(0.5 * outer);
+        return (float)(2.0 * half * half);
+    }
+    return float_min(float_max(1.0f + light->spot_offset / light->spot_scale, 1e-7f), 2.0f);
+}
+
 double air_spot_solid_angle(const air_light *light)
 {
+    if (light->falloff == AIR_SPOT_ANGLE) {
+        double inner, outer;
+        linear_angles(light, &inner, &outer);
+        /* by parts: 1 - the mean of the cosine between the angles */
+        return 2.0 * AIR_PI * (1.0 - (sin(outer) - sin(inner)) / (outer - inner));
+    }
     /* the square of a number that rises by 1 while the cosine rises by `rise` from `outer` */
     const double rise = 1.0 / (double)light->spot_scale;
     const double outer = -(double)light->spot_offset * rise;
     const double reached = fmin(1.0, (1.0 - outer) / rise);
     return 2.0 * AIR_PI *
            (rise / 3.0 * reached * reached * reached + fmax(0.0, 1.0 - outer - rise));
+}
+
+/* ---- projector ---- */
+
+void air_projector_set(air_light *light, const air_light_desc *desc,
+                       const struct air_texture *image)
+{
+    const float *m = desc->to_world;
+    light->position = vec3_load(desc->position);
+    light->frame =
+        (air_frame){vec3(m[0], m[3], m[6]), vec3(m[1], m[4], m[7]), vec3(m[2], m[5], m[8])};
+    light->emission_texture = image;
+    light->tan_half[0] = tanf(0.5f * desc->fov_x_rad);
+    light->tan_half[1] =
+        light->tan_half[0] * (image != NULL ? (float)image->height / (float)image->width : 1.0f);
+}
+
+/* Of the centres of the outermost texels a border goes on outwards, whatever the texture's wrap. */
+static float clamp_to_centers(float x, size_t texels)
+{
+    const float half = 0.5f / (float)texels;
+    return float_min(float_max(x, half), 1.0f - half);
+}
+
+air_vec3 air_projector_share(const air_light *light, air_vec3 dir)
+{
+    const air_vec3 local = frame_to_local(&light->frame, dir);
+    const float cosine = -local.z;
+    if (!(cosine > 0.0f)) {
+        return vec3_set1(0.0f);
+    }
+    const float x = local.x / (cosine * light->tan_half[0]);
+    const float y = local.y / (cosine * light->tan_half[1]);
+    if (!(fabsf(x) <= 1.0f && fabsf(y) <= 1.0f)) {
+        return vec3_set1(0.0f);
+    }
+    const struct air_texture *image = light->emission_texture;
+    const air_vec3 value =
+        image == NULL ? vec3_set1(1.0f)
+                      : air_texture_rgb(image, clamp_to_centers(0.5f + 0.5f * x, image->width),
+                                        clamp_to_centers(0.5f - 0.5f * y, image->height));
+    return vec3_scale(value, 1.0f / (cosine * cosine * cosine));
+}
+
+/* dw = cos^3 dA on the screen at the distance 1. */
+air_vec3 air_projector_solid_angle(const air_light *light)
+{
+    static const float corners[2][3][2] = {{{0.0f, 0.0f}, {1.0f, 0.0f}, {1.0f, 1.0f}},
+                                           {{0.0f, 0.0f}, {1.0f, 1.0f}, {0.0f, 1.0f}}};
+    air_vec3 mean = vec3_set1(1.0f);
+    if (light->emission_texture != NULL) {
+        mean = vec3_scale(vec3_add(air_texture_triangle_mean(light->emission_texture, corners[0]),
+                                   air_texture_triangle_mean(light->emission_texture, corners[1])),
+                          0.5f);
+    }
+    return vec3_scale(mean, 4.0f * light->tan_half[0] * light->tan_half[1]);
 }
 
 /* ---- windows of collimated lights ---- */
@@ -168,12 +261,17 @@ bool air_punctual_connect(const air_light *light, air_vec3 point, air_connection
     const float distance = sqrtf(distance2);
     out->dir = vec3_scale(to_light, 1.0f / distance);
     out->distance = distance;
+    out->pdf = 1.0f;
+    if (light->kind == AIR_LIGHT_PROJECTOR) {
+        const air_vec3 share = air_projector_share(light, vec3_neg(out->dir));
+        out->incident = vec3_scale(vec3_mul(light->color, share), 1.0f / distance2);
+        return !vec3_is_zero(share);
+    }
     float share = 1.0f;
     if (light->kind == AIR_LIGHT_SPOT) {
         share = air_spot_falloff(light, -vec3_dot(out->dir, light->dir));
     }
     out->incident = vec3_scale(light->color, share / distance2);
-    out->pdf = 1.0f;
     return share > 0.0f;
 }
 
