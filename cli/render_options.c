@@ -34,7 +34,7 @@ static const quality qualities[] = {
 
 /* In the order of air_term, air_filter and air_pattern. */
 static const char *const term_names[] = {"S0", "S+", "M1", "M2", "emission", "background", NULL};
-static const char *const filter_names[] = {"box", "point", "tent", "gaussian", NULL};
+static const char *const filter_names[] = {"box", "point", "tent", "gaussian", "mitchell", NULL};
 static const char *const rule_names[] = {"riemann", "gauss", "optical", "equiangular", NULL};
 static const char *const pattern_names[] = {"independent", "stratified", "systematic", "blue-noise",
                                             NULL};
@@ -101,8 +101,8 @@ static const cli_option sampling_options[] = {
      .value = "FILTER",
      .choices = filter_names,
      .offset = offsetof(cli_render_options, filter),
-     .help =
-         "Pixel filter: box, point (rays through pixel centres), tent or gaussian; default box."},
+     .help = "Pixel filter: box, point (rays through pixel centres), tent, gaussian (standard "
+             "deviation a third of its radius 1.5) or mitchell; default box."},
     {.name = "variance",
      .kind = CLI_COUNT,
      .value = "R",

@@ -61,8 +61,9 @@ static float beam_number(const render_pass *pass, uint32_t x, uint32_t y, uint32
 /* Places on a lens have a set of random numbers of their own, beyond those of events. */
 enum { LENS_SET = 0x6c656e73 };
 
-static void make_lane(const render_pass *pass, uint32_t x, uint32_t y, uint32_t sample,
-                      air_path_lane *lane)
+/* Returns how much the sample counts. */
+static float make_lane(const render_pass *pass, uint32_t x, uint32_t y, uint32_t sample,
+                       air_path_lane *lane)
 {
     const air_picture *picture = pass->picture;
     const uint32_t size = pass->film->replicate_size;
@@ -71,7 +72,7 @@ static void make_lane(const render_pass *pass, uint32_t x, uint32_t y, uint32_t 
     float at_x, at_y;
     lane->sampler = air_sampler_make(&picture->sobol, pixel_seed(picture, x, y, replicate), index);
     const air_f32x4 u = air_sampler_get(&lane->sampler, 0);
-    air_picture_sample_position(picture, x, y, u[0], u[1], &at_x, &at_y);
+    const float weight = air_picture_sample_position(picture, x, y, u[0], u[1], &at_x, &at_y);
     const air_f32x4 lens = picture->view.lens_radius > 0.0f
                                ? air_sampler_get(&lane->sampler, LENS_SET)
                                : (air_f32x4){0.0f, 0.0f, 0.0f, 0.0f};
@@ -85,6 +86,7 @@ static void make_lane(const render_pass *pass, uint32_t x, uint32_t y, uint32_t 
     lane->x = x;
     lane->y = y;
     lane->sample = sample;
+    return weight;
 }
 
 static void add3(double *sum, air_vec3 v)
@@ -179,6 +181,25 @@ typedef struct pixel {
     uint32_t x, y;
 } pixel;
 
+static void scale3(air_vec3 *v, float weight) { *v = vec3_scale(*v, weight); }
+
+/* All sums of a sample, in place. */
+static void weigh(float weight, air_path_lane *lane, air_lane_ratios *ratios)
+{
+    air_ratio_sample *const both[2] = {&ratios->volume, &ratios->surface};
+    for (int t = 0; t < AIR_TERM_COUNT; t++) {
+        scale3(&lane->terms[t], weight);
+    }
+    for (int k = 0; k < 2; k++) {
+        scale3(&both[k]->analytic, weight);
+        scale3(&both[k]->unoccluded, weight);
+        scale3(&both[k]->occluded, weight);
+    }
+    scale3(&lane->albedo, weight);
+    scale3(&lane->normal, weight);
+    lane->depth *= weight;
+}
+
 static void trace_block(const render_pass *pass, pass_worker *worker, air_path_lane *lanes,
                         air_lane_ratios *ratios, size_t count)
 {
@@ -209,11 +230,15 @@ static void render_block(const render_pass *pass, pass_worker *worker, const pix
     const uint32_t size = end - begin;
     air_path_lane lanes[AIR_PATH_LANES];
     air_lane_ratios ratios[AIR_PATH_LANES];
+    float weights[AIR_PATH_LANES];
     for (size_t i = 0; i < count * size; i++) {
         const pixel *at = &pixels[i / size];
-        make_lane(pass, at->x, at->y, begin + (uint32_t)(i % size), &lanes[i]);
+        weights[i] = make_lane(pass, at->x, at->y, begin + (uint32_t)(i % size), &lanes[i]);
     }
     trace_block(pass, worker, lanes, ratios, count * size);
+    for (size_t i = 0; i < count * size; i++) {
+        weigh(weights[i], &lanes[i], &ratios[i]);
+    }
     for (size_t i = 0; i < count; i++) {
         memset(worker->block, 0, stride * sizeof *worker->block);
         for (size_t s = i * size; s < (i + 1) * size; s++) {

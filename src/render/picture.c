@@ -82,64 +82,99 @@ static void make_layout(air_picture *picture)
     }
 }
 
-/* A gaussian of standard deviation radius/3, cut at the radius: its distribution function by the
- * trapezoid rule, inverted. */
-static air_status make_gaussian(air_picture *picture)
+/* A gaussian of standard deviation radius/3, cut at the radius. */
+static double gaussian(double x, double radius)
 {
-    enum { STEPS = 4 * AIR_GAUSSIAN_TABLE };
-    const double radius = picture->params->filter_radius, sigma = radius / 3.0;
+    const double sigma = radius / 3.0;
+    return exp(-0.5 * x * x / (sigma * sigma));
+}
+
+/* The cubic with B = C = 1/3, of integral 1 [Mitchell1988, eq. 8]; negative in its outer half. */
+static double mitchell(double x, double radius)
+{
+    const double t = fabs(x) * 2.0 / radius, scale = 2.0 / radius / 6.0;
+    if (t < 1.0) {
+        return scale * ((7.0 * t - 12.0) * t * t + 16.0 / 3.0);
+    }
+    return t < 2.0 ? scale * (((-7.0 / 3.0 * t + 12.0) * t - 20.0) * t + 32.0 / 3.0) : 0.0;
+}
+
+static double filter_value(const air_picture *picture, double x)
+{
+    const double radius = picture->params->filter_radius;
+    return picture->params->filter == AIR_FILTER_GAUSSIAN ? gaussian(x, radius)
+                                                          : mitchell(x, radius);
+}
+
+/* The distribution function of the filter's absolute value by the trapezoid rule, inverted. */
+static air_status make_filter_table(air_picture *picture)
+{
+    enum { STEPS = 4 * AIR_FILTER_TABLE };
+    const double radius = picture->params->filter_radius;
     double cumulative[STEPS + 1], sum = 0.0;
-    picture->gaussian =
-        air_allocate(picture->context, AIR_GAUSSIAN_TABLE + 1, sizeof *picture->gaussian);
-    if (picture->gaussian == NULL) {
+    picture->filter_table =
+        air_allocate(picture->context, AIR_FILTER_TABLE + 1, sizeof *picture->filter_table);
+    if (picture->filter_table == NULL) {
         return air_fail_memory(picture->context, "pixel filter");
     }
     for (int i = 0; i <= STEPS; i++) {
         const double x = radius * (2.0 * i / STEPS - 1.0), half_step = radius / STEPS;
         const double left = x - 2.0 * half_step;
         if (i > 0) {
-            sum += exp(-0.5 * x * x / (sigma * sigma)) + exp(-0.5 * left * left / (sigma * sigma));
+            sum += fabs(filter_value(picture, x)) + fabs(filter_value(picture, left));
         }
         cumulative[i] = sum;
     }
-    for (int k = 0, i = 0; k <= AIR_GAUSSIAN_TABLE; k++) {
-        const double target = sum * k / AIR_GAUSSIAN_TABLE;
+    for (int k = 0, i = 0; k <= AIR_FILTER_TABLE; k++) {
+        const double target = sum * k / AIR_FILTER_TABLE;
         while (i < STEPS - 1 && cumulative[i + 1] < target) {
             i++;
         }
         const double share = (target - cumulative[i]) / (cumulative[i + 1] - cumulative[i]);
-        picture->gaussian[k] = (float)(radius * (2.0 * (i + share) / STEPS - 1.0));
+        picture->filter_table[k] = (float)(radius * (2.0 * (i + share) / STEPS - 1.0));
     }
     return AIR_OK;
 }
 
-static float filter_offset(const air_picture *picture, float u)
+/* From the table. *weight: the filter over the density that the table has there, for filters that
+ * are negative somewhere; then samples count by it. */
+static float table_offset(const air_picture *picture, float u, float *weight)
+{
+    const float position = u * AIR_FILTER_TABLE;
+    const int i = (int)position;
+    const float from = picture->filter_table[i], width = picture->filter_table[i + 1] - from;
+    const float offset = from + (position - (float)i) * width;
+    if (picture->params->filter == AIR_FILTER_MITCHELL) {
+        *weight *= (float)(filter_value(picture, (double)offset) * AIR_FILTER_TABLE) * width;
+    }
+    return offset;
+}
+
+static float filter_offset(const air_picture *picture, float u, float *weight)
 {
     const float radius = picture->params->filter_radius;
     switch (picture->params->filter) {
     case AIR_FILTER_POINT:
-    case AIR_FILTER_MITCHELL:
         return 0.0f;
     case AIR_FILTER_BOX:
         return (2.0f * u - 1.0f) * radius;
     case AIR_FILTER_TENT:
         return u < 0.5f ? radius * (sqrtf(2.0f * u) - 1.0f)
                         : radius * (1.0f - sqrtf(2.0f - 2.0f * u));
-    case AIR_FILTER_GAUSSIAN: {
-        const float position = u * AIR_GAUSSIAN_TABLE;
-        const int i = (int)position;
-        const float share = position - (float)i;
-        return picture->gaussian[i] + share * (picture->gaussian[i + 1] - picture->gaussian[i]);
-    }
+    case AIR_FILTER_GAUSSIAN:
+    case AIR_FILTER_MITCHELL:
+        return table_offset(picture, u, weight);
     }
     return 0.0f;
 }
 
-void air_picture_sample_position(const air_picture *picture, uint32_t x, uint32_t y, float u,
-                                 float v, float *out_x, float *out_y)
+float air_picture_sample_position(const air_picture *picture, uint32_t x, uint32_t y, float u,
+                                  float v, float *out_x, float *out_y)
 {
-    *out_x = (float)x + 0.5f + filter_offset(picture, u);
-    *out_y = (float)y + 0.5f + filter_offset(picture, v);
+    float weight = 1.0f;
+    *out_x = (float)x + 0.5f + filter_offset(picture, u, &weight);
+    *out_y = (float)y + 0.5f + filter_offset(picture, v, &weight);
+    return weight;
 }
 
 static void set_crop(air_picture *picture)
@@ -190,8 +225,9 @@ air_status air_picture_init(air_picture *picture, air_context *context,
                          params->width, params->height, &picture->view);
     const uint32_t traced = params->terms & ~air_lightmap_terms(params->lightmap);
     air_status status = make_owners(picture);
-    if (status == AIR_OK && params->filter == AIR_FILTER_GAUSSIAN) {
-        status = make_gaussian(picture);
+    if (status == AIR_OK &&
+        (params->filter == AIR_FILTER_GAUSSIAN || params->filter == AIR_FILTER_MITCHELL)) {
+        status = make_filter_table(picture);
     }
     if (status != AIR_OK) {
         return status;
@@ -240,7 +276,7 @@ void air_picture_finish(air_picture *picture)
     air_path_finish(&picture->path);
     air_owner_table_destroy(picture->owners);
     air_free(picture->context, picture->wanted);
-    air_free(picture->context, picture->gaussian);
+    air_free(picture->context, picture->filter_table);
     air_free(picture->context, picture->blue_noise);
 }
 

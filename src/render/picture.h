@@ -12,7 +12,7 @@
 #include "render/with_lightmap.h"
 #include "scene/camera.h"
 
-enum { AIR_GAUSSIAN_TABLE = 1024 };
+enum { AIR_FILTER_TABLE = 1024 };
 
 typedef struct air_picture {
     air_context *context;
@@ -31,8 +31,8 @@ typedef struct air_picture {
     bool apart;                      /* a slot for each term; else one for all */
     bool guides;                     /* slots for them */
     air_blue_noise *blue_noise;      /* NULL for other patterns */
-    float *gaussian; /* inverse distribution function, AIR_GAUSSIAN_TABLE + 1 values in pixels; NULL
-                        for other filters */
+    float *filter_table; /* inverse distribution function of a gaussian or of Mitchell's filter
+                            without its sign, AIR_FILTER_TABLE + 1 values in pixels; else NULL */
     air_film_layout layout;
     double start_s; /* of the render, by the context's clock */
 } air_picture;
@@ -48,8 +48,9 @@ air_status air_picture_film(const air_picture *picture, air_film **out_film);
  * the film stays as it was. */
 air_status air_picture_pass(air_picture *picture, air_film *film, uint32_t begin, uint32_t end);
 
-/* Where within the picture a sample of pixel (x, y) with filter numbers u, v lies. */
-void air_picture_sample_position(const air_picture *picture, uint32_t x, uint32_t y, float u,
-                                 float v, float *out_x, float *out_y);
+/* Where within the picture a sample of pixel (x, y) with filter numbers u, v lies. Returns how much
+ * it counts: 1, but of filters that are negative somewhere about 1.2 or -1.2, 1 in the mean. */
+float air_picture_sample_position(const air_picture *picture, uint32_t x, uint32_t y, float u,
+                                  float v, float *out_x, float *out_y);
 
 #endif
