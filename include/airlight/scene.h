@@ -65,7 +65,7 @@ typedef enum air_material_model {
     AIR_MATERIAL_CONDUCTOR = 3, /* a metal, by its complex index of refraction */
     AIR_MATERIAL_PLASTIC = 4,   /* Lambert below the interface of a dielectric */
     AIR_MATERIAL_BLEND = 5,     /* two other materials, by a weight */
-    AIR_MATERIAL_NULL = 6       /* nothing: rays pass; for boundaries of media */
+    AIR_MATERIAL_NULL = 6       /* nothing: rays pass; for boundaries of media; emits nothing */
 } air_material_model;
 
 typedef enum air_microfacets {
@@ -99,18 +99,20 @@ typedef struct air_material_desc {
     float reflectance[3], transmittance[3]; /* factors on what is reflected by facets and let
                                                through; [0,1], 1 by default */
     float eta[3], absorption[3]; /* CONDUCTOR: complex index eta - i absorption, over that of the
-                                    outside; eta > 0, absorption >= 0 */
+                                    outside; >= 0, not both 0; default 0 and 1: reflects all */
     bool nonlinear; /* PLASTIC: light that is reflected inside takes the base's colour each time */
-    air_handle blend[2];             /* BLEND: materials, not blends themselves */
-    float blend_weight;              /* of the second, [0,1] */
+    air_handle blend[2];             /* BLEND: materials, neither BLEND nor NULL */
+    float blend_weight;              /* of the second, [0,1], default 0.5; coverage and emission
+                                        are the blend's own */
     air_texture_ref blend_texture;   /* R, a factor on it */
     air_texture_ref opacity_texture; /* R, a factor on alpha */
     air_texture_ref bump_texture;    /* R: height, metres after bump_scale, along the normal */
     float bump_scale;
     air_alpha_mode alpha_mode;
     float alpha_cutoff;
-    bool double_sided; /* emission leaves both sides; reflection always does */
-    bool unlit;        /* shows base_color as radiance, neither reflects nor lights */
+    bool double_sided; /* emission leaves both sides; reflection does unless one_sided */
+    bool one_sided; /* METALLIC_ROUGHNESS, CONDUCTOR, PLASTIC: black from behind; default false */
+    bool unlit;     /* shows base_color as radiance, neither reflects nor lights */
 } air_material_desc;
 
 /* White, metallic 0, roughness 1, no textures, opaque, ior 1.5, specular 1. */

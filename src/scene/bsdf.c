@@ -1,116 +1,26 @@
-/* bsdf.c: see bsdf.h. In this file directions are local to the shading frame, z along its normal.
- */
+/* bsdf.c: see bsdf.h: sides of the surface, and which model answers. */
 #include "scene/bsdf.h"
 
-#include "core/warp.h"
-#include "scene/ggx_albedo_table.h"
+#include "scene/bsdf_models.h"
 
-static const float INVERSE_PI = 1.0f / AIR_PI_F;
-
-/* NaN becomes 0. */
-static float clamp01(float x) { return float_min(float_max(x, 0.0f), 1.0f); }
-
-static air_vec3 clamp01_rgb(air_vec3 v) { return vec3(clamp01(v.x), clamp01(v.y), clamp01(v.z)); }
-
-static air_vec3 mix(air_vec3 a, air_vec3 b, float t)
+static const air_bsdf_model *model_of(const air_bsdf *bsdf)
 {
-    return vec3_madd(vec3_scale(a, 1.0f - t), t, b);
+    switch (bsdf->model) {
+    case AIR_MATERIAL_CONDUCTOR:
+        return &air_conductor;
+    case AIR_MATERIAL_PLASTIC:
+        return &air_plastic;
+    default:
+        return &air_dielectric;
+    }
 }
 
-/* ---- the GGX lobe ---- */
-
-/* sqrt(z^2 + alpha^2 (x^2 + y^2)): Smith's lambda is (this / z - 1) / 2. */
-static float smith_length(air_vec3 w, float alpha)
+static bool is_metallic(const air_bsdf *bsdf)
 {
-    return sqrtf(w.z * w.z + alpha * alpha * (w.x * w.x + w.y * w.y));
+    return bsdf->model == AIR_MATERIAL_METALLIC_ROUGHNESS;
 }
 
-/* The distribution of normals [Walter2007, eq. 33], with the sine instead of 1 - cos^2, which keeps
- * its digits near the peak. h is unit. */
-static float ggx_distribution(air_vec3 h, float alpha)
-{
-    const float x = h.x / alpha, y = h.y / alpha;
-    const float q = x * x + y * y + h.z * h.z;
-    return 1.0f / (AIR_PI_F * alpha * alpha * q * q);
-}
-
-/* Normals visible from wo, reflected: uniform on a cap of the unit sphere, stretched back
- * [Dupuy2023]. */
-static air_vec3 ggx_sample(air_vec3 wo, float alpha, float u1, float u2)
-{
-    const air_vec3 standard = vec3_normalize(vec3(alpha * wo.x, alpha * wo.y, wo.z));
-    const float phi = 2.0f * AIR_PI_F * u1;
-    const float up = (1.0f - u2) * (1.0f + standard.z); /* z + standard.z, exact near the bottom */
-    const float z = up - standard.z;
-    const float radius = sqrtf(float_max(0.0f, (1.0f - z) * (1.0f + z)));
-    const air_vec3 h = vec3_normalize(vec3(alpha * (radius * cosf(phi) + standard.x),
-                                           alpha * (radius * sinf(phi) + standard.y), up));
-    return vec3_sub(vec3_scale(h, 2.0f * vec3_dot(wo, h)), wo);
-}
-
-/* ---- albedos ---- */
-
-/* Of both specular lobes. */
-static air_vec3 specular_albedo(const air_bsdf *bsdf, air_ggx_albedo table)
-{
-    const air_vec3 rise = vec3_sub(vec3_set1(bsdf->f90), bsdf->f0);
-    const air_vec3 lost = vec3_sub(bsdf->f0, bsdf->multiple);
-    return vec3_madd(vec3_madd(bsdf->f0, table.fresnel, rise), -table.loss, lost);
-}
-
-/* What the specular lobes leave to the base. */
-static air_vec3 left_to_base(const air_bsdf *bsdf, air_ggx_albedo table)
-{
-    return clamp01_rgb(vec3_sub(vec3_set1(1.0f), specular_albedo(bsdf, table)));
-}
-
-/* The share of energy that multiple scattering keeps: a geometric series of reflections with mean
- * Fresnel term, of which a part leaves at each turn [Kulla2017]. The mean of Schlick's term over
- * the cosine is (20 f0 + f90) / 21. */
-static float multiple_factor(float f0, float f90, float mean_loss)
-{
-    const float fresnel = (20.0f * f0 + f90) * (1.0f / 21.0f);
-    return fresnel * fresnel * (1.0f - mean_loss) / (1.0f - fresnel * mean_loss);
-}
-
-/* diffuse / (pi mean(1 - E)); nothing is left to a base under a perfect mirror. */
-static float diffuse_factor(float diffuse, float mean_left)
-{
-    return mean_left > 1e-3f ? diffuse * INVERSE_PI / mean_left : 0.0f;
-}
-
-/* How samples are shared out between GGX lobe and the others, by what each reflects to wo. Returns
- * what the base does. */
-static air_vec3 share_out(air_bsdf *bsdf, air_vec3 wo)
-{
-    const float cos_o = clamp01(vec3_dot(wo, bsdf->frame.n));
-    const air_ggx_albedo table = air_ggx_albedo_at(cos_o, bsdf->alpha, bsdf->alpha_axis);
-    const air_vec3 whole = specular_albedo(bsdf, table);
-    const air_vec3 single = vec3_madd(whole, -table.loss, bsdf->multiple);
-    const air_vec3 base = vec3_mul(bsdf->diffuse, left_to_base(bsdf, table));
-    bsdf->specular_share = clamp01(vec3_mean(single) / vec3_mean(vec3_add(whole, base)));
-    return base;
-}
-
-static void make_specular(const air_bsdf_input *input, air_bsdf *out)
-{
-    const float roughness = clamp01(input->roughness);
-    out->alpha = float_max(roughness * roughness, air_ggx_alpha_min());
-    out->alpha_axis = air_ggx_alpha_axis(out->alpha);
-    const air_ggx_albedo mean = air_ggx_albedo_mean(out->alpha_axis);
-    out->multiple = vec3(multiple_factor(out->f0.x, out->f90, mean.loss),
-                         multiple_factor(out->f0.y, out->f90, mean.loss),
-                         multiple_factor(out->f0.z, out->f90, mean.loss));
-    out->multiple_scale = INVERSE_PI / mean.loss;
-    const air_vec3 left = left_to_base(out, mean);
-    out->diffuse_scale =
-        vec3(diffuse_factor(out->diffuse.x, left.x), diffuse_factor(out->diffuse.y, left.y),
-             diffuse_factor(out->diffuse.z, left.z));
-
-    (void)share_out(out, input->wo);
-}
-
-/* ---- frame ---- */
+/* ---- making ---- */
 
 static void make_frame(const air_bsdf_input *input, air_bsdf *out)
 {
@@ -128,113 +38,103 @@ static void make_frame(const air_bsdf_input *input, air_bsdf *out)
     out->frame = frame_from_normal(n);
 }
 
-void air_bsdf_make(const air_bsdf_input *input, air_bsdf *out)
+/* Turns the frame about its normal. */
+static void turn_frame(air_vec3 tangent, air_frame *frame)
 {
-    *out = (air_bsdf){.alpha = 1.0f};
-    make_frame(input, out);
-    const air_vec3 base = clamp01_rgb(input->base_color);
-    const float metallic = clamp01(input->metallic);
-    out->diffuse = vec3_scale(base, 1.0f - metallic);
-    const float ratio = (input->ior - 1.0f) / (input->ior + 1.0f);
-    const float dielectric = clamp01(ratio * ratio) * clamp01(input->specular);
-    out->f0 = mix(vec3_set1(dielectric), base, metallic);
-    if (!vec3_is_zero(out->f0)) {
-        out->f90 = float_max(float_min(50.0f * vec3_max(out->f0), 1.0f), vec3_max(out->f0));
-        make_specular(input, out);
+    const air_vec3 flat = vec3_madd(tangent, -vec3_dot(tangent, frame->n), frame->n);
+    const float length = vec3_length(flat);
+    if (length > 0.0f) {
+        frame->s = vec3_scale(flat, 1.0f / length);
+        frame->t = vec3_cross(frame->n, frame->s);
     }
 }
 
-/* ---- evaluation ---- */
-
-/* The lobes without a highlight. */
-typedef struct smooth_lobes {
-    air_vec3 base;
-    float multiple; /* times bsdf->multiple */
-} smooth_lobes;
-
-static smooth_lobes smooth_at(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
+static void make_facets(const air_bsdf_input *input, bool front, air_bsdf *out)
 {
-    const air_ggx_albedo at_o =
-        air_ggx_albedo_at(float_min(wo.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
-    const air_ggx_albedo at_i =
-        air_ggx_albedo_at(float_min(wi.z, 1.0f), bsdf->alpha, bsdf->alpha_axis);
-    return (smooth_lobes){
-        vec3_mul(bsdf->diffuse_scale, vec3_mul(left_to_base(bsdf, at_o), left_to_base(bsdf, at_i))),
-        bsdf->multiple_scale * (at_o.loss * at_i.loss)};
+    const bool refracts = input->model == AIR_MATERIAL_DIELECTRIC;
+    out->facets = input->facets;
+    out->ior = front || !refracts ? input->ior : 1.0f / input->ior;
+    out->single = input->single;
+    out->reflectance = input->reflectance;
+    out->transmittance = input->transmittance;
+    out->optics = input->optics;
+    out->f0 = vec3_set1(1.0f);
+    out->f90 = 1.0f;
+    if (refracts && fabsf(input->ior - 1.0f) < 1e-4f) {
+        out->facets.alpha_u = out->facets.alpha_v = 0.0f; /* facets of nothing turn no light */
+    }
+    if (out->facets.alpha_u != out->facets.alpha_v) {
+        turn_frame(input->tangent, &out->frame);
+    }
+    if (input->model == AIR_MATERIAL_CONDUCTOR) {
+        out->f0 = air_conductor.albedo(out, 1.0f);
+    }
+    if (input->model == AIR_MATERIAL_PLASTIC) {
+        air_plastic_make_base(input, out);
+    }
 }
 
-static air_vec3 smooth_value(const air_bsdf *bsdf, smooth_lobes smooth, air_vec3 wi)
+void air_bsdf_make(const air_bsdf_input *input, air_bsdf *out)
 {
-    return vec3_scale(vec3_madd(smooth.base, smooth.multiple, bsdf->multiple), wi.z);
+    const bool front = vec3_dot(input->geometric_normal, input->wo) >= 0.0f;
+    const bool dielectric =
+        input->model == AIR_MATERIAL_DIELECTRIC || input->model == AIR_MATERIAL_THIN_DIELECTRIC;
+    *out = (air_bsdf){.alpha = 1.0f};
+    make_frame(input, out);
+    if (input->one_sided && !front && !dielectric) {
+        return; /* black */
+    }
+    out->model = input->model;
+    if (is_metallic(out)) {
+        air_metallic_make(input, out);
+    } else {
+        make_facets(input, front, out);
+    }
 }
 
-/* f |cos(wi)|, both directions above the shading surface. */
-static air_vec3 eval_with(const air_bsdf *bsdf, smooth_lobes smooth, air_vec3 wo, air_vec3 wi)
-{
-    const air_vec3 h = vec3_normalize(vec3_add(wo, wi));
-    const float rise = 1.0f - clamp01(vec3_dot(wi, h));
-    const float rise2 = rise * rise;
-    const air_vec3 fresnel = mix(bsdf->f0, vec3_set1(bsdf->f90), rise2 * rise2 * rise);
-    /* D G2 / (4 cos cos) with the height-correlated Smith term [Heitz2014, eq. 99] */
-    const float single =
-        0.5f * ggx_distribution(h, bsdf->alpha) /
-        (wi.z * smith_length(wo, bsdf->alpha) + wo.z * smith_length(wi, bsdf->alpha));
-    const air_vec3 f =
-        vec3_madd(vec3_madd(smooth.base, single, fresnel), smooth.multiple, bsdf->multiple);
-    return vec3_scale(f, wi.z);
-}
-
-static air_vec3 eval_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
-{
-    return eval_with(bsdf, smooth_at(bsdf, wo, wi), wo, wi);
-}
-
-static float pdf_local(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
-{
-    const air_vec3 h = vec3_normalize(vec3_add(wo, wi));
-    /* D G1 / (4 cos) with G1 = 2 cos / (cos + length) */
-    const float specular =
-        0.5f * ggx_distribution(h, bsdf->alpha) / (wo.z + smith_length(wo, bsdf->alpha));
-    return bsdf->specular_share * specular +
-           (1.0f - bsdf->specular_share) * sample_cosine_hemisphere_pdf(wi.z);
-}
+/* ---- asking ---- */
 
 static bool above(const air_bsdf *bsdf, air_vec3 w)
 {
     return vec3_dot(w, bsdf->frame.n) > 0.0f && vec3_dot(w, bsdf->normal) > 0.0f;
 }
 
+/* Is wi on one side for both normals? */
+static bool clear(const air_bsdf *bsdf, air_vec3 wi)
+{
+    return vec3_dot(wi, bsdf->frame.n) * vec3_dot(wi, bsdf->normal) > 0.0f;
+}
+
 air_vec3 air_bsdf_eval(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
 {
-    if (!above(bsdf, wo) || !above(bsdf, wi)) {
-        return vec3_set1(0.0f);
+    if (is_metallic(bsdf)) {
+        return above(bsdf, wo) && above(bsdf, wi) ? air_metallic_eval(bsdf, wo, wi)
+                                                  : vec3_set1(0.0f);
     }
-    if (bsdf->f90 == 0.0f) {
-        return vec3_scale(bsdf->diffuse, vec3_dot(wi, bsdf->frame.n) * INVERSE_PI);
-    }
-    return eval_local(bsdf, frame_to_local(&bsdf->frame, wo), frame_to_local(&bsdf->frame, wi));
+    return above(bsdf, wo) && clear(bsdf, wi)
+               ? model_of(bsdf)->eval(bsdf, frame_to_local(&bsdf->frame, wo),
+                                      frame_to_local(&bsdf->frame, wi))
+               : vec3_set1(0.0f);
 }
 
 air_vec3 air_bsdf_eval_smooth(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
 {
-    if (bsdf->f90 == 0.0f || !above(bsdf, wo) || !above(bsdf, wi)) {
-        return air_bsdf_eval(bsdf, wo, wi);
+    if (bsdf->model == AIR_MATERIAL_PLASTIC && above(bsdf, wo) && above(bsdf, wi)) {
+        return air_plastic_eval_base(bsdf, vec3_dot(wo, bsdf->frame.n),
+                                     vec3_dot(wi, bsdf->frame.n));
     }
-    const air_vec3 local_i = frame_to_local(&bsdf->frame, wi);
-    const air_vec3 local_o = frame_to_local(&bsdf->frame, wo);
-    return smooth_value(bsdf, smooth_at(bsdf, local_o, local_i), local_i);
+    return is_metallic(bsdf) && above(bsdf, wo) && above(bsdf, wi)
+               ? air_metallic_eval_smooth(bsdf, wo, wi)
+               : vec3_set1(0.0f);
 }
 
 air_vec3 air_bsdf_eval_parts(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi, air_vec3 *out_smooth)
 {
-    if (bsdf->f90 == 0.0f || !above(bsdf, wo) || !above(bsdf, wi)) {
-        return *out_smooth = air_bsdf_eval(bsdf, wo, wi);
+    if (is_metallic(bsdf) && above(bsdf, wo) && above(bsdf, wi)) {
+        return air_metallic_eval_parts(bsdf, wo, wi, out_smooth);
     }
-    const air_vec3 local_o = frame_to_local(&bsdf->frame, wo);
-    const air_vec3 local_i = frame_to_local(&bsdf->frame, wi);
-    const smooth_lobes smooth = smooth_at(bsdf, local_o, local_i);
-    *out_smooth = smooth_value(bsdf, smooth, local_i);
-    return eval_with(bsdf, smooth, local_o, local_i);
+    *out_smooth = air_bsdf_eval_smooth(bsdf, wo, wi);
+    return air_bsdf_eval(bsdf, wo, wi);
 }
 
 air_vec3 air_bsdf_albedo(const air_bsdf *bsdf, air_vec3 wo)
@@ -242,41 +142,30 @@ air_vec3 air_bsdf_albedo(const air_bsdf *bsdf, air_vec3 wo)
     if (!above(bsdf, wo)) {
         return vec3_set1(0.0f);
     }
-    if (bsdf->f90 == 0.0f) {
-        return bsdf->diffuse;
-    }
-    const float cos_o = clamp01(vec3_dot(wo, bsdf->frame.n));
-    const air_ggx_albedo table = air_ggx_albedo_at(cos_o, bsdf->alpha, bsdf->alpha_axis);
-    return vec3_add(specular_albedo(bsdf, table),
-                    vec3_mul(bsdf->diffuse, left_to_base(bsdf, table)));
+    return is_metallic(bsdf)
+               ? air_metallic_albedo(bsdf, wo)
+               : model_of(bsdf)->albedo(bsdf, float_min(vec3_dot(wo, bsdf->frame.n), 1.0f));
 }
 
 air_vec3 air_bsdf_take_base(air_bsdf *bsdf, air_vec3 wo)
 {
-    air_vec3 base = bsdf->diffuse;
-    if (bsdf->f90 > 0.0f) {
-        base = share_out(bsdf, wo);
-        bsdf->diffuse = bsdf->diffuse_scale = vec3_set1(0.0f);
-        (void)share_out(bsdf, wo);
-    }
-    bsdf->diffuse = vec3_set1(0.0f);
-    return base;
+    return is_metallic(bsdf) ? air_metallic_take_base(bsdf, wo) : vec3_set1(0.0f);
 }
 
 bool air_bsdf_is_black(const air_bsdf *bsdf)
 {
-    return bsdf->f90 == 0.0f && vec3_is_zero(bsdf->diffuse);
+    return is_metallic(bsdf) && bsdf->f90 == 0.0f && vec3_is_zero(bsdf->diffuse);
 }
 
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
 {
-    if (!above(bsdf, wo) || !above(bsdf, wi)) {
-        return 0.0f;
+    if (is_metallic(bsdf)) {
+        return above(bsdf, wo) && above(bsdf, wi) ? air_metallic_sample_pdf(bsdf, wo, wi) : 0.0f;
     }
-    if (bsdf->f90 == 0.0f) {
-        return sample_cosine_hemisphere_pdf(vec3_dot(wi, bsdf->frame.n));
-    }
-    return pdf_local(bsdf, frame_to_local(&bsdf->frame, wo), frame_to_local(&bsdf->frame, wi));
+    return above(bsdf, wo) && clear(bsdf, wi)
+               ? model_of(bsdf)->pdf(bsdf, frame_to_local(&bsdf->frame, wo),
+                                     frame_to_local(&bsdf->frame, wi))
+               : 0.0f;
 }
 
 bool air_bsdf_sample(const air_bsdf *bsdf, air_vec3 wo, const float u[3], air_vec3 *out_wi,
@@ -285,21 +174,15 @@ bool air_bsdf_sample(const air_bsdf *bsdf, air_vec3 wo, const float u[3], air_ve
     if (!above(bsdf, wo)) {
         return false;
     }
-    const air_vec3 local_o = frame_to_local(&bsdf->frame, wo);
-    const air_vec3 local_i = u[2] < bsdf->specular_share
-                                 ? ggx_sample(local_o, bsdf->alpha, u[0], u[1])
-                                 : sample_cosine_hemisphere(u[0], u[1]);
-    const air_vec3 wi = frame_to_world(&bsdf->frame, local_i);
-    if (!(local_i.z > 0.0f) || !(vec3_dot(wi, bsdf->normal) > 0.0f)) {
+    if (is_metallic(bsdf)) {
+        return air_metallic_sample(bsdf, wo, u, out_wi, out_weight, out_pdf);
+    }
+    air_vec3 local, weight;
+    if (!model_of(bsdf)->sample(bsdf, frame_to_local(&bsdf->frame, wo), u, &local, &weight,
+                                out_pdf)) {
         return false;
     }
-    if (bsdf->f90 == 0.0f) {
-        *out_pdf = sample_cosine_hemisphere_pdf(local_i.z);
-        *out_weight = bsdf->diffuse;
-    } else {
-        *out_pdf = pdf_local(bsdf, local_o, local_i);
-        *out_weight = vec3_scale(eval_local(bsdf, local_o, local_i), 1.0f / *out_pdf);
-    }
-    *out_wi = wi;
-    return true;
+    *out_wi = frame_to_world(&bsdf->frame, local);
+    *out_weight = weight;
+    return local.z * vec3_dot(*out_wi, bsdf->normal) > 0.0f;
 }

@@ -60,6 +60,8 @@ static uint64_t add_texels(uint64_t hash, const air_texture *texture)
     return add_array(hash, texture->floats, values * sizeof(float));
 }
 
+static uint64_t add_material(uint64_t hash, const air_material *material);
+
 static uint64_t add_slot(uint64_t hash, const air_texture_slot *slot)
 {
     const air_texture *texture = slot->texture;
@@ -75,8 +77,37 @@ static uint64_t add_slot(uint64_t hash, const air_texture_slot *slot)
     return add_flags(hash, texture->srgb, false, false);
 }
 
+/* Materials that are of METALLIC_ROUGHNESS alone have the fingerprints that they had before there
+ * were others. */
+static uint64_t add_optics(uint64_t hash, const air_material *material)
+{
+    const air_optics *optics = &material->optics;
+    const float numbers[] = {optics->facets.alpha_u, optics->facets.alpha_v, material->transmission,
+                             material->blend_weight, material->bump_scale};
+    hash = add_slot(hash, &material->opacity_slot);
+    hash = add_slot(hash, &material->bump_slot);
+    hash = add_slot(hash, &material->transmission_slot);
+    hash = add_slot(hash, &material->blend_slot);
+    if (material->model == AIR_MATERIAL_METALLIC_ROUGHNESS && material->transmission == 0.0f &&
+        material->bump_slot.texture == NULL && !material->one_sided) {
+        return hash;
+    }
+    hash = ADD(hash, material->model);
+    hash = ADD(hash, optics->facets.distribution);
+    hash = ADD(hash, numbers);
+    hash = ADD(hash, optics->reflectance);
+    hash = ADD(hash, optics->transmittance);
+    hash = ADD(hash, optics->eta);
+    hash = ADD(hash, optics->absorption);
+    for (size_t i = 0; material->blend[0] != NULL && i < 2; i++) {
+        hash = add_material(hash, material->blend[i]);
+    }
+    return add_flags(hash, optics->nonlinear, material->thin_walled, material->one_sided);
+}
+
 static uint64_t add_material(uint64_t hash, const air_material *material)
 {
+    hash = add_optics(hash, material);
     const float numbers[] = {material->alpha,       material->metallic, material->roughness,
                              material->specular,    material->ior,      material->normal_scale,
                              material->alpha_cutoff};

@@ -5,16 +5,20 @@
 #include "scene/record.h"
 #include "scene/snapshot.h"
 
+/* The texture references of a description come first among its links. */
+enum { AIR_MATERIAL_TEXTURES = 8 };
+
 typedef struct air_material_record {
     air_record base;
     air_material_desc desc; /* name is the record's */
+    air_plastic_table plastic;
 } air_material_record;
 
-/* Checks and copies a description; texture handles are not looked at. */
+/* Checks and copies a description; handles are not looked at. */
 air_status air_material_record_create(air_context *context, const air_material_desc *desc,
                                       air_record **out_record);
 
-/* The textures it refers to: AIR_MAX_LINKS of them, AIR_NONE among them. */
+/* The textures and materials it refers to: AIR_MAX_LINKS of them, AIR_NONE among them. */
 void air_material_links(const air_material_desc *desc, air_link out_links[AIR_MAX_LINKS]);
 
 /* Are two descriptions the same but for the name? */
@@ -22,11 +26,12 @@ bool air_material_equal(const air_material_desc *a, const air_material_desc *b);
 /* Do two that both emit give the same light table entries? */
 bool air_material_emission_equal(const air_material_desc *a, const air_material_desc *b);
 
-/* The form that snapshots hold. textures: those of air_material_links, in its order. colored: a
+/* The form that snapshots hold; blended materials are left to them. textures: those of
+ * air_material_links, in its order. colored: a
  * mesh of this material has vertex colours, so that coverage may vary even without a texture.
  * Without anything that could make coverage less than 1, MASK and BLEND become OPAQUE. */
 void air_material_init(const air_material_record *record,
-                       const air_texture *const textures[AIR_MAX_LINKS], bool colored,
+                       const air_texture *const textures[AIR_MATERIAL_TEXTURES], bool colored,
                        air_material *out_material);
 
 /* Is a mesh of this material a light, with entries in the light table? Surfaces with coverage are

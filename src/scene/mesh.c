@@ -387,10 +387,11 @@ void air_mesh_init(const air_mesh_record *record, uint32_t material_index,
 {
     const air_geometry *geometry = record->geometry;
     const air_world_mesh *world = record->world;
-    uint32_t mask = AIR_MASK_SCATTER;
-    if (record->camera_visible)
+    const bool there = material->model != AIR_MATERIAL_NULL;
+    uint32_t mask = there ? AIR_MASK_SCATTER : 0;
+    if (there && record->camera_visible)
         mask |= AIR_MASK_CAMERA;
-    if (record->casts_shadow)
+    if (there && record->casts_shadow)
         mask |= material->alpha_mode == AIR_ALPHA_OPAQUE ? AIR_MASK_SHADOW_OPAQUE
                                                          : AIR_MASK_SHADOW_ALPHA;
     const bool quadric = geometry->shape != AIR_SHAPE_TRIANGLES;

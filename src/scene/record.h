@@ -51,7 +51,7 @@ typedef struct air_link {
     bool required; /* AIR_NONE is not allowed */
 } air_link;
 
-enum { AIR_MAX_LINKS = 4 };
+enum { AIR_MAX_LINKS = 10 };
 
 /* The index of a handle among items that begin with theirs and are in increasing order of it,
  * SIZE_MAX if it is not there. */

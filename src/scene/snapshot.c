@@ -91,9 +91,9 @@ static void set_material(const air_snapshot *snapshot, const air_material_record
                          bool colored, air_material *out_material)
 {
     air_link links[AIR_MAX_LINKS];
-    const air_texture *textures[AIR_MAX_LINKS] = {NULL};
+    const air_texture *textures[AIR_MATERIAL_TEXTURES] = {NULL};
     air_material_links(&record->desc, links);
-    for (size_t i = 0; i < AIR_MAX_LINKS; ++i) {
+    for (size_t i = 0; i < AIR_MATERIAL_TEXTURES; ++i) {
         const size_t index = air_shared_find(snapshot->shared, AIR_OBJECT_TEXTURE, links[i].handle);
         if (index != SIZE_MAX)
             textures[i] =
@@ -101,6 +101,22 @@ static void set_material(const air_snapshot *snapshot, const air_material_record
                      ->texture;
     }
     air_material_init(record, textures, colored, out_material);
+}
+
+static air_status set_blend(const air_snapshot *snapshot, const air_material_record *record,
+                            air_material *material)
+{
+    for (size_t i = 0; i < 2 && material->model == AIR_MATERIAL_BLEND; ++i) {
+        const air_material *blended =
+            &snapshot->materials[material_index(snapshot, record->desc.blend[i])];
+        if (blended->model == AIR_MATERIAL_BLEND || blended->model == AIR_MATERIAL_NULL)
+            return air_fail(snapshot->context, AIR_ERROR_ARGUMENT,
+                            "material \"%s\": blend[%zu] is \"%s\", but must be neither a blend "
+                            "nor NULL",
+                            material->name, i, blended->name);
+        material->blend[i] = blended;
+    }
+    return AIR_OK;
 }
 
 /* The default material first. */
@@ -129,7 +145,12 @@ static air_status set_materials(air_snapshot *snapshot)
                      (const air_material_record *)shared->held[AIR_OBJECT_MATERIAL][i - 1].record,
                      colored[i], &snapshot->materials[i]);
     air_free(snapshot->context, colored);
-    return AIR_OK;
+    air_status status = AIR_OK;
+    for (size_t i = 1; i < count && status == AIR_OK; ++i)
+        status = set_blend(
+            snapshot, (const air_material_record *)shared->held[AIR_OBJECT_MATERIAL][i - 1].record,
+            &snapshot->materials[i]);
+    return status;
 }
 
 static air_status set_meshes(air_snapshot *snapshot)

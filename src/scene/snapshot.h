@@ -11,11 +11,13 @@
 #include "core/vec.h"
 #include "scene/lights/light_table.h"
 #include "scene/media/media.h"
+#include "scene/optics.h"
 
-/* Ray masks. A mesh carries those bits that apply to it; a ray asks for one of them. */
+/* Ray masks. A mesh carries those bits that apply to it, none where its material is NULL; a ray
+ * asks for one of them. */
 enum {
     AIR_MASK_CAMERA = 1,        /* camera-visible meshes */
-    AIR_MASK_SCATTER = 2,       /* all meshes: rays after the first event */
+    AIR_MASK_SCATTER = 2,       /* all other meshes: rays after the first event */
     AIR_MASK_SHADOW_OPAQUE = 4, /* shadow-casting meshes whose material is opaque */
     AIR_MASK_SHADOW_ALPHA = 8   /* shadow-casting meshes with MASK or BLEND */
 };
@@ -39,6 +41,7 @@ typedef struct air_texture_slot {
 
 typedef struct air_material {
     char *name;
+    air_material_model model; /* NULL too where an interface has the same index on both sides */
     air_vec3 base_color;
     float alpha;
     float metallic, roughness, normal_scale, specular, ior;
@@ -46,8 +49,15 @@ typedef struct air_material {
     air_texture_slot base_color_slot, metallic_roughness_slot, normal_slot, emission_slot;
     air_alpha_mode alpha_mode; /* OPAQUE too where coverage cannot be less than 1 */
     float alpha_cutoff;
-    bool double_sided, unlit;
+    bool double_sided, one_sided, unlit;
     bool textured; /* any slot has a texture */
+    float transmission;
+    bool thin_walled;
+    air_optics optics;
+    air_texture_slot transmission_slot, blend_slot, opacity_slot, bump_slot;
+    float bump_scale;
+    const struct air_material *blend[2]; /* of the same snapshot */
+    float blend_weight;
 } air_material;
 
 /* A mesh in world space: triangles, or a quadric. */

@@ -1,7 +1,9 @@
 #include "scene/surface.h"
 
 #include <float.h>
+#include <string.h>
 
+#include "core/random.h"
 #include "scene/texture.h"
 
 /* A hit with what it refers to. */
@@ -125,6 +127,19 @@ static void base_color(const hit_place *place, float out_rgba[4])
         for (size_t i = 0; i < 4; ++i)
             out_rgba[i] *= factor[i];
     }
+    if (material->opacity_slot.texture != NULL) {
+        sample_slot(place, &material->opacity_slot, factor);
+        out_rgba[3] *= factor[0];
+    }
+}
+
+/* A factor by the red of a slot's texture, if there is one. */
+static float scaled(const hit_place *place, const air_texture_slot *slot, float factor)
+{
+    float rgba[4] = {1.0f};
+    if (slot->texture != NULL)
+        sample_slot(place, slot, rgba);
+    return factor * rgba[0];
 }
 
 static float coverage(const air_material *material, float alpha)
@@ -248,15 +263,148 @@ static air_vec3 mapped_normal(const hit_place *place, air_vec3 normal, air_vec3 
     return mapped;
 }
 
+/* ---- bumps ---- */
+
+/* How the position changes with a slot's coordinates; false where they do not span the triangle. */
+static bool uv_derivatives(const hit_place *place, const air_texture_slot *slot, air_vec3 *out_du,
+                           air_vec3 *out_dv)
+{
+    const float *uv = place->mesh->uv[slot->uv_set];
+    if (uv == NULL)
+        return false;
+    air_vec3 p[3];
+    float at[3][2];
+    for (size_t i = 0; i < 3; ++i) {
+        p[i] = vec3_load(place->mesh->positions + 3 * (size_t)place->corners[i]);
+        air_texture_slot_uv(slot, uv + 2 * (size_t)place->corners[i], at[i]);
+    }
+    const air_vec3 e1 = vec3_sub(p[1], p[0]), e2 = vec3_sub(p[2], p[0]);
+    const float u1 = at[1][0] - at[0][0], v1 = at[1][1] - at[0][1];
+    const float u2 = at[2][0] - at[0][0], v2 = at[2][1] - at[0][1];
+    const float inverse = 1.0f / (u1 * v2 - u2 * v1);
+    *out_du = vec3_scale(vec3_sub(vec3_scale(e1, v2), vec3_scale(e2, v1)), inverse);
+    *out_dv = vec3_scale(vec3_sub(vec3_scale(e2, u1), vec3_scale(e1, u2)), inverse);
+    return isfinite(inverse);
+}
+
+/* The slope of red along u or v between the texels about the hit: that of the bilinear filter. */
+static float height_slope(const air_texture *texture, const float uv[2], size_t axis)
+{
+    const float texels = (float)(axis == 0 ? texture->width : texture->height);
+    float low[4], high[4], at[2] = {uv[0], uv[1]};
+    const float before = floorf(uv[axis] * texels - 0.5f) + 0.5f;
+    at[axis] = before / texels;
+    air_texture_lookup(texture, at[0], at[1], low);
+    at[axis] = (before + 1.0f) / texels;
+    air_texture_lookup(texture, at[0], at[1], high);
+    return (high[0] - low[0]) * texels;
+}
+
+/* The normal of the surface moved along its normal by the height map. */
+static air_vec3 bumped_normal(const hit_place *place, air_vec3 normal)
+{
+    const air_texture_slot *slot = &place->material->bump_slot;
+    const float scale = place->material->bump_scale;
+    air_vec3 du, dv;
+    float uv[2];
+    if (!uv_derivatives(place, slot, &du, &dv))
+        return normal;
+    interpolate(place, place->mesh->uv[slot->uv_set], 2, uv);
+    air_texture_slot_uv(slot, uv, uv);
+    /* within the surface du and dv lie across the normal; heights raise them along it */
+    const float rise_u = scale * height_slope(slot->texture, uv, 0) - vec3_dot(du, normal);
+    const float rise_v = scale * height_slope(slot->texture, uv, 1) - vec3_dot(dv, normal);
+    const air_vec3 n = vec3_cross(vec3_madd(du, rise_u, normal), vec3_madd(dv, rise_v, normal));
+    const float length = vec3_length(n);
+    if (!(length > 0.0f))
+        return normal;
+    return vec3_scale(n, (vec3_dot(n, normal) < 0.0f ? -1.0f : 1.0f) / length);
+}
+
+/* ---- one of several models ---- */
+
+/* An even number that is the same whenever the same ray meets the same place: what is blended is
+ * chosen by it, which on the mean over places gives the blend. */
+static float chance(const hit_place *place, air_vec3 dir, uint32_t purpose)
+{
+    const float keys[5] = {place->b[1], place->b[2], dir.x, dir.y, dir.z};
+    uint32_t hash = purpose + place->corners[0];
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+        uint32_t bits;
+        memcpy(&bits, &keys[i], sizeof bits);
+        hash = air_hash32(hash ^ bits);
+    }
+    return air_uint_to_float(hash);
+}
+
+static const air_material *blended(const hit_place *place, air_vec3 dir)
+{
+    const air_material *material = place->material;
+    if (material->model != AIR_MATERIAL_BLEND)
+        return material;
+    const float second = scaled(place, &material->blend_slot, material->blend_weight);
+    return material->blend[chance(place, dir, 1) < second];
+}
+
+/* KHR_materials_transmission: glass instead of the base, by a weight. The glass is chosen by
+ * chance; what is left has more metal in it. */
+static void choose_glass(const hit_place *place, air_vec3 dir, air_bsdf_input *input)
+{
+    const air_material *material = place->material;
+    const float share = (1.0f - input->metallic) *
+                        scaled(place, &material->transmission_slot, material->transmission);
+    if (chance(place, dir, 2) >= share) {
+        input->metallic = float_min(input->metallic / (1.0f - share), 1.0f);
+        return;
+    }
+    const float alpha = input->roughness * input->roughness;
+    input->model = material->thin_walled ? AIR_MATERIAL_THIN_DIELECTRIC : AIR_MATERIAL_DIELECTRIC;
+    input->single = true;
+    input->facets = air_facets_make(AIR_MICROFACETS_GGX, alpha, alpha);
+    input->reflectance = vec3_set1(material->specular);
+    input->transmittance = input->base_color;
+}
+
+/* What the models behind METALLIC_ROUGHNESS need. */
+static void set_optics(const hit_place *place, air_bsdf_input *input)
+{
+    const air_optics *optics = &place->material->optics;
+    const air_texture_slot plain = {.uv_transform = {1, 0, 0, 0, 1, 0}};
+    air_vec3 across;
+    input->optics = optics;
+    input->facets = optics->facets;
+    input->reflectance = optics->reflectance;
+    input->transmittance = optics->transmittance;
+    if (optics->facets.alpha_u != optics->facets.alpha_v &&
+        !uv_derivatives(place, &plain, &input->tangent, &across))
+        input->tangent = vec3_set1(0.0f);
+}
+
 /* ---- the whole ---- */
 
-static void set_textured(const hit_place *place, air_bsdf_input *input, air_surface *out)
+/* What is the material's own even where it blends others. */
+static void set_own(const hit_place *place, bool front, air_surface *out)
+{
+    const air_material *material = place->material;
+    float rgba[4];
+    out->emission = front || material->double_sided ? material->emission : vec3_set1(0.0f);
+    out->alpha = 1.0f;
+    if (material->alpha_mode != AIR_ALPHA_OPAQUE) {
+        base_color(place, rgba);
+        out->alpha = coverage(material, rgba[3]);
+    }
+    if (material->emission_slot.texture != NULL && !vec3_is_zero(out->emission)) {
+        sample_slot(place, &material->emission_slot, rgba);
+        out->emission = vec3_mul(out->emission, vec3_load(rgba));
+    }
+}
+
+static void set_textured(const hit_place *place, air_bsdf_input *input)
 {
     const air_material *material = place->material;
     float rgba[4];
     base_color(place, rgba);
     input->base_color = vec3_load(rgba);
-    out->alpha = coverage(material, rgba[3]);
     if (material->metallic_roughness_slot.texture != NULL) {
         sample_slot(place, &material->metallic_roughness_slot, rgba);
         input->roughness *= rgba[1];
@@ -265,43 +413,46 @@ static void set_textured(const hit_place *place, air_bsdf_input *input, air_surf
     if (material->normal_slot.texture != NULL)
         input->shading_normal =
             mapped_normal(place, input->shading_normal, input->geometric_normal);
-    if (material->emission_slot.texture != NULL && !vec3_is_zero(out->emission)) {
-        sample_slot(place, &material->emission_slot, rgba);
-        out->emission = vec3_mul(out->emission, vec3_load(rgba));
-    }
+    if (material->bump_slot.texture != NULL)
+        input->shading_normal = bumped_normal(place, input->shading_normal);
 }
 
 void air_surface_make(const air_snapshot *snapshot, const air_hit *hit, air_vec3 dir,
                       air_surface *out)
 {
-    const hit_place place = find_place(snapshot, hit);
+    hit_place place = find_place(snapshot, hit);
     const air_mesh *mesh = place.mesh;
-    const air_material *material = place.material;
 
     const air_vec3 area2 = vec3_load(hit->normal);
     const float inverse_area2 = 1.0f / vec3_length(area2);
     out->normal = vec3_scale(area2, mesh->flip ? -inverse_area2 : inverse_area2);
     set_position(&place, inverse_area2, out->normal, &out->position, &out->offset);
 
-    const bool front = vec3_dot(out->normal, dir) < 0.0f;
-    out->emission = front || material->double_sided ? material->emission : vec3_set1(0.0f);
+    set_own(&place, vec3_dot(out->normal, dir) < 0.0f, out);
     out->emitter =
         mesh->first_emitter == UINT32_MAX ? UINT32_MAX : mesh->first_emitter + hit->triangle;
-    out->alpha = 1.0f;
 
-    air_bsdf_input input = {.base_color = material->base_color,
+    const air_material *material = place.material = blended(&place, dir);
+    air_bsdf_input input = {.model = material->model,
+                            .base_color = material->base_color,
                             .metallic = material->metallic,
                             .roughness = material->roughness,
                             .specular = material->specular,
                             .ior = material->ior,
                             .shading_normal = shading_normal(&place, out->normal),
                             .geometric_normal = out->normal,
-                            .wo = vec3_neg(dir)};
-    if (material->textured || mesh->colors != NULL || material->alpha_mode != AIR_ALPHA_OPAQUE)
-        set_textured(&place, &input, out);
+                            .wo = vec3_neg(dir),
+                            .one_sided = material->one_sided};
+    if (material->textured || mesh->colors != NULL)
+        set_textured(&place, &input);
+    if (material->model != AIR_MATERIAL_METALLIC_ROUGHNESS)
+        set_optics(&place, &input);
+    else if (material->transmission > 0.0f)
+        choose_glass(&place, dir, &input);
     if (material->unlit) {
         /* a picture of itself, from both sides */
         out->emission = input.base_color;
+        input.model = AIR_MATERIAL_METALLIC_ROUGHNESS;
         input.base_color = vec3_set1(0.0f);
         input.metallic = 0.0f;
         input.specular = 0.0f;
