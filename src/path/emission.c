@@ -36,8 +36,9 @@ static bool emission_term(const air_path *path, const path_walk *walk, uint32_t 
     if (path_goes_through(path, walk)) {
         return false;
     }
-    return walk->depth == 0 ? ((path->settings.terms >> seen) & 1u) != 0
-                            : path_wanted(path, light_owner, walk->first_medium, *out);
+    const bool sharp = walk->depth == 1 && walk->pdf_dir == 0.0f;
+    return walk->depth == 0 || sharp ? ((path->settings.terms >> *out) & 1u) != 0
+                                     : path_wanted(path, light_owner, walk->first_medium, *out);
 }
 
 void path_add_environments(const air_path *path, const path_walk *walk, const air_ray *ray,

@@ -164,8 +164,9 @@ static bool sample_surface(const air_path *path, const path_vertex *vertex, air_
         return false;
     }
     if (path_responds(path)) {
-        walk->flat = vec3_scale(vec3_mul(vec3_add(walk->beta, walk->scattered), bsdf->diffuse),
-                                1.0f / (AIR_PI_F * walk->pdf_dir));
+        const float density = walk->pdf_dir > 0.0f ? 1.0f / (AIR_PI_F * walk->pdf_dir) : 0.0f;
+        walk->flat =
+            vec3_scale(vec3_mul(vec3_add(walk->beta, walk->scattered), bsdf->diffuse), density);
         walk->normal = bsdf->frame.n;
         walk->scattered = vec3_mul(walk->scattered, weight);
     }

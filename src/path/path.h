@@ -90,8 +90,10 @@ typedef struct air_path {
     air_path_settings settings;
     bool hittable_lights; /* some light can be met by a sampled direction, or some medium emits */
     bool emissive_media;
-    bool endless;      /* some medium neither ends nor absorbs */
-    bool pervious;     /* some mesh casts no shadow: then shadow rays see what directions do not */
+    bool endless;  /* some medium neither ends nor absorbs */
+    bool sharp;    /* some surface may reflect or let through single directions: light of S0 that
+                      comes so is path's, whoever owns the rest, since no other method can ask it */
+    bool pervious; /* some mesh casts no shadow: then shadow rays see what directions do not */
     bool whole_volume; /* the media are one convex region of constant density: distances can follow
                           lights from infinity in closed form */
     air_collimated_medium volume; /* that region */

@@ -13,6 +13,18 @@ static bool any_emission(const air_snapshot *snapshot)
     return snapshot->lights.environment_count > 0 || snapshot->lights.visible_accelerator != NULL;
 }
 
+static bool any_sharp(const air_snapshot *snapshot)
+{
+    for (size_t i = 0; i < snapshot->material_count; i++) {
+        const air_material *material = &snapshot->materials[i];
+        if (material->transmission > 0.0f || (material->model != AIR_MATERIAL_METALLIC_ROUGHNESS &&
+                                              air_facets_smooth(&material->optics.facets))) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* ---- what is path's to compute ---- */
 
 /* Does path own the term of this light in some medium, or in none? */
@@ -44,7 +56,8 @@ static void narrow_terms(air_path *path)
     air_path_settings *settings = &path->settings;
     const uint32_t scattered = ((1u << AIR_TERM_M1) | (1u << AIR_TERM_M2)) & settings->terms;
     for (unsigned term = AIR_TERM_S0; term <= AIR_TERM_M2; term++) {
-        bool owned = snapshot->lights.owner_count == 0 || path->emissive_media;
+        bool owned = snapshot->lights.owner_count == 0 || path->emissive_media ||
+                     (term == AIR_TERM_S0 && path->sharp);
         for (size_t owner = 0; owner < snapshot->lights.owner_count; owner++) {
             owned = owned || owns(settings, path->media->count, owner, (air_term)term);
         }
@@ -150,7 +163,8 @@ air_status air_path_init(air_path *path, const air_snapshot *snapshot, const air
     path->pervious = false;
     for (size_t i = 0; i < snapshot->mesh_count; i++) {
         const uint32_t shadow = AIR_MASK_SHADOW_OPAQUE | AIR_MASK_SHADOW_ALPHA;
-        path->pervious = path->pervious || (snapshot->meshes[i]->mask & shadow) == 0;
+        const uint32_t mask = snapshot->meshes[i]->mask;
+        path->pervious = path->pervious || (mask != 0 && (mask & shadow) == 0);
     }
     path->extended_lights = snapshot->lights.count > snapshot->lights.explicit_count;
     for (size_t i = 0; i < snapshot->lights.explicit_count; i++) {
@@ -159,6 +173,7 @@ air_status air_path_init(air_path *path, const air_snapshot *snapshot, const air
             path->extended_lights || kind == AIR_LIGHT_POLYGON || kind == AIR_LIGHT_ENVIRONMENT;
     }
     path->hittable_lights = path->emissive_media || any_emission(snapshot);
+    path->sharp = any_sharp(snapshot);
     const air_media *media = path->media;
     path->whole_volume = media->region_count == 1 && media->all_constant &&
                          media->regions[0].kind == AIR_REGION_CONVEX;

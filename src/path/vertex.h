@@ -30,7 +30,9 @@ typedef struct path_walk {
      * the rest), the normal that the ray under way left, and what a unit of irradiance there
      * brings. */
     air_vec3 scattered, normal, flat;
-    float pdf_dir; /* density of the direction under way, per solid angle; 0 from the camera */
+    float
+        pdf_dir; /* density of the direction under way, per solid angle; 0 from the camera, and
+                    after a choice of single directions: then no light that is met was asked for */
 } path_walk;
 
 typedef struct path_vertex {
