@@ -171,6 +171,7 @@ static bool sample_surface(const air_path *path, const path_vertex *vertex, air_
         walk->scattered = vec3_mul(walk->scattered, weight);
     }
     walk->beta = vec3_mul(walk->beta, weight);
+    walk->dense *= air_bsdf_radiance_factor(bsdf, *dir);
     return true;
 }
 
@@ -183,7 +184,7 @@ enum { ENDLESS_EVENTS = 64 };
 
 static bool survives(const air_path *path, path_walk *walk, float u)
 {
-    const float most = vec3_max(vec3_add(walk->beta, walk->scattered));
+    const float most = vec3_max(vec3_add(walk->beta, walk->scattered)) / walk->dense;
     const bool tired = path->endless && walk->depth > ENDLESS_EVENTS;
     const float q = float_min(most * (1.0f / ROULETTE_THRESHOLD), tired ? ENDLESS_SURVIVAL : 1.0f);
     if (q >= 1.0f) {
@@ -285,8 +286,10 @@ static void start(air_path_scratch *scratch, air_path_lane *lanes, size_t count)
     for (size_t i = 0; i < count; i++) {
         air_path_lane *lane = &lanes[i];
         clear(lane);
-        scratch->walks[i] = (path_walk){
-            .lane = (uint32_t)i, .first_medium = AIR_NO_MEDIUM, .beta = vec3_set1(1.0f)};
+        scratch->walks[i] = (path_walk){.lane = (uint32_t)i,
+                                        .first_medium = AIR_NO_MEDIUM,
+                                        .beta = vec3_set1(1.0f),
+                                        .dense = 1.0f};
         scratch->rays[i] = (air_ray){{lane->origin.x, lane->origin.y, lane->origin.z},
                                      0.0f,
                                      {lane->dir.x, lane->dir.y, lane->dir.z},
@@ -354,7 +357,8 @@ static void receive(path_vertex *vertex, size_t i, air_path_lane *lane)
                                .depth = 1,
                                .first_medium = AIR_NO_MEDIUM,
                                .received = true,
-                               .beta = vec3_set1(1.0f)};
+                               .beta = vec3_set1(1.0f),
+                               .dense = 1.0f};
     vertex->on_surface = vertex->receives = true;
     vertex->gathers = vertex->ends = false;
     vertex->light_share = 1.0f;

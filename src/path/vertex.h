@@ -26,6 +26,8 @@ typedef struct path_walk {
     bool from_surface;     /* the ray under way left a surface */
     bool through;          /* a ray from a receiver that looks for one event in media only */
     air_vec3 beta; /* throughput, for a medium vertex still without sigma_s and phase function */
+    float dense; /* what indices of refraction have made of throughput, which is not lost: 1 / ior^2
+                    inside glass */
     /* With air_path_respond: throughput of light that media scattered on the way (beta is that of
      * the rest), the normal that the ray under way left, and what a unit of irradiance there
      * brings. */

@@ -79,6 +79,13 @@ air_vec3 air_bsdf_albedo(const air_bsdf *bsdf, air_vec3 wo);
 air_vec3 air_bsdf_take_base(air_bsdf *bsdf, air_vec3 wo);
 /* Does it neither reflect nor let through anything? */
 bool air_bsdf_is_black(const air_bsdf *bsdf);
+/* By how much radiance from wi is less on the side of wo, for its index alone; 1 but of light that
+ * a DIELECTRIC bends. */
+static inline float air_bsdf_radiance_factor(const air_bsdf *bsdf, air_vec3 wi)
+{
+    const bool bent = bsdf->model == AIR_MATERIAL_DIELECTRIC && vec3_dot(wi, bsdf->normal) < 0.0f;
+    return bent ? 1.0f / (bsdf->ior * bsdf->ior) : 1.0f;
+}
 /* Density of air_bsdf_sample per solid angle. */
 float air_bsdf_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi);
 /* u: three numbers in [0,1). Returns false if nothing is reflected; *out_weight = f cos / pdf.
