@@ -194,8 +194,12 @@ static const uint16_t import_cube_indices[36] = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6
                                                  0, 1, 5, 0, 5, 4, 3, 6, 2, 3, 7, 6,
                                                  0, 7, 3, 0, 4, 7, 1, 2, 6, 1, 6, 5};
 
-#define GLTF_CUBE                                                                                  \
-    "'meshes':[{'name':'CubeMesh','primitives':[{'attributes':{'POSITION':0},'indices':1}]}],"     \
+#define GLTF_CUBE GLTF_CUBE_OF("'mode':4")
+
+/* The same with more to say of its primitive. */
+#define GLTF_CUBE_OF(more)                                                                         \
+    "'meshes':[{'name':'CubeMesh','primitives':[{'attributes':{'POSITION':0},'indices':1," more    \
+    "}]}],"                                                                                        \
     "'buffers':[{'byteLength':168,'uri':'cube.bin'}],'bufferViews':[{'buffer':0,'byteLength':96}," \
     "{'buffer':0,'byteOffset':96,'byteLength':72}],"                                               \
     "'accessors':[{'bufferView':0,'componentType':5126,'count':8,'type':'VEC3'},"                  \

@@ -299,6 +299,57 @@ static void a_material_that_no_mesh_uses_is_not_read(void **state)
     import_finish(&f);
 }
 
+/* ---- glass ---- */
+
+#define GLASS(volume)                                                                              \
+    "'materials':[{'extensions':{'KHR_materials_transmission':{'transmissionFactor':0.75},"        \
+    "'KHR_materials_ior':{'ior':1.25}" volume "}}]"
+#define ABSORBING                                                                                  \
+    ",'KHR_materials_volume':{'thicknessFactor':0.1,'attenuationDistance':0.5,"                    \
+    "'attenuationColor':[1,0.5,0]}"
+
+static void transmission_is_thin_without_a_volume(void **state)
+{
+    (void)state;
+    import_fixture f;
+    import_init(&f);
+    import_loads(&f,
+                 "{" GLTF_SCENE ",'nodes':[{'mesh':0}]," GLASS("") "," GLTF_PAINTED_TRIANGLE "}");
+    assert_true(material_of(&f)->transmission == 0.75f && material_of(&f)->ior == 1.25f);
+    assert_true(material_of(&f)->thin_walled);
+    import_expect_silence(&f, AIR_MESSAGE_WARNING);
+    import_loads(
+        &f, "{" GLTF_SCENE ",'nodes':[{'mesh':0}]," GLASS(
+                ",'KHR_materials_volume':{'thicknessFactor':0.1}") "," GLTF_PAINTED_TRIANGLE "}");
+    assert_false(material_of(&f)->thin_walled);
+    assert_int_equal(f.snapshot->media.count, 0);
+    import_expect_silence(&f, AIR_MESSAGE_WARNING);
+    import_finish(&f);
+}
+
+static void closed_glass_absorbs_and_open_glass_is_announced(void **state)
+{
+    (void)state;
+    static uint8_t cube[168];
+    import_fixture f;
+    import_init(&f);
+    import_serve_cube(&f, cube);
+    import_loads(&f, "{" GLTF_SCENE ",'nodes':[{'mesh':0}]," GLASS(ABSORBING) "," GLTF_CUBE_OF(
+                         "'material':0") "}");
+    assert_int_equal(f.snapshot->media.count, 1);
+    const air_vec3 sigma_a = f.snapshot->media.media[0].sigma_t;
+    expect_near(sigma_a.x, 0.0);
+    expect_near(sigma_a.y, log(2.0) / 0.5);
+    expect_near(sigma_a.z, log(1e6) / 0.5); /* black is let through by a millionth */
+    import_expect_silence(&f, AIR_MESSAGE_WARNING);
+    import_loads(&f, "{" GLTF_SCENE
+                     ",'nodes':[{'mesh':0}]," GLASS(ABSORBING) "," GLTF_PAINTED_TRIANGLE "}");
+    assert_int_equal(f.snapshot->media.count, 0);
+    import_expect(&f, AIR_MESSAGE_WARNING,
+                  "meshes that are not closed, whose glass is left without absorption: 1");
+    import_finish(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -314,6 +365,8 @@ int main(void)
         cmocka_unit_test(textures_that_cannot_be_shown_are_left_out_with_a_warning),
         cmocka_unit_test(a_picture_that_is_none_is_refused_by_name),
         cmocka_unit_test(a_material_that_no_mesh_uses_is_not_read),
+        cmocka_unit_test(transmission_is_thin_without_a_volume),
+        cmocka_unit_test(closed_glass_absorbs_and_open_glass_is_announced),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,6 +18,7 @@ static void gltf_finish(air_gltf *gltf)
         if (gltf->buffer_store[i].owned)
             air_free(gltf->context, gltf->buffer_store[i].data);
     air_free(gltf->context, gltf->buffer_store);
+    air_free(gltf->context, gltf->volume_store);
     air_free(gltf->context, gltf->material_store);
     air_free(gltf->context, gltf->texture_store);
     air_free(gltf->context, gltf->folder);
@@ -83,7 +84,9 @@ static air_status open_file(air_gltf *gltf)
         air_allocate(gltf->context, air_json_count(&gltf->buffers), sizeof *gltf->buffer_store);
     gltf->material_store =
         air_allocate(gltf->context, air_json_count(&gltf->materials), sizeof *gltf->material_store);
-    if (gltf->buffer_store == NULL || gltf->material_store == NULL)
+    gltf->volume_store =
+        air_allocate(gltf->context, air_json_count(&gltf->materials), sizeof *gltf->volume_store);
+    if (gltf->buffer_store == NULL || gltf->material_store == NULL || gltf->volume_store == NULL)
         return air_fail_memory(gltf->context, gltf->path);
     return AIR_OK;
 }
@@ -145,6 +148,10 @@ static air_status report(air_gltf *gltf)
         {tally->missing_sources, true, "textures without a PNG or JPEG source left out"},
         {tally->specular_textures, true,
          "materials whose reflectance is tinted or textured, taken without"},
+        {tally->open_volumes, true,
+         "meshes that are not closed, whose glass is left without absorption"},
+        {tally->crowded_volumes, true,
+         "meshes whose glass is left without absorption, for there are too many"},
         {tally->ranges, false, "lights whose range is ignored: they fall off by distance alone"},
         {tally->degenerate_triangles, false, "triangles without area left out"},
         {tally->zero_normals, false, "vertex normals of length 0 replaced"},

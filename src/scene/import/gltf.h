@@ -23,10 +23,17 @@ typedef struct air_gltf_texture {
     air_handle handle;
 } air_gltf_texture;
 
+/* KHR_materials_volume: what a material's meshes enclose. */
+typedef struct air_gltf_volume {
+    bool absorbs;
+    float sigma_a[3];
+} air_gltf_volume;
+
 /* Things that are said once, at the end, with their number. */
 typedef struct air_gltf_tally {
     size_t lines_and_points, partial_triangles, degenerate_triangles, flattened_nodes, zero_normals;
     size_t ranges, strong_emission, texture_sets, skins, morphs, specular_textures, missing_sources;
+    size_t open_volumes, crowded_volumes, volumes;
 } air_gltf_tally;
 
 typedef struct air_gltf {
@@ -43,6 +50,7 @@ typedef struct air_gltf {
         samplers, cameras, scenes, animations, extensions, punctual, lights;
     air_gltf_buffer *buffer_store; /* one per buffer */
     air_handle *material_store;    /* one per material; AIR_NONE: not added yet */
+    air_gltf_volume *volume_store; /* one per material */
     air_gltf_texture *texture_store;
     size_t texture_count, texture_capacity;
     float light_scale, emission_scale; /* from the file's units to radiometric ones */
@@ -92,6 +100,15 @@ air_status air_gltf_read_texture(air_gltf *gltf, const air_json *info, bool srgb
 
 /* The handle of material `index`, added on its first use. */
 air_status air_gltf_material(air_gltf *gltf, size_t index, air_handle *out_handle);
+
+/* ---- gltf_volume.c ---- */
+
+/* The transmission and volume of a material's extensions. */
+air_status air_gltf_read_transmission(air_gltf *gltf, const air_json *extensions,
+                                      air_material_desc *desc, air_gltf_volume *volume);
+/* Adds what a mesh encloses, if it is closed. */
+air_status air_gltf_add_volume(air_gltf *gltf, const char *name, const air_gltf_volume *volume,
+                               const air_import_geometry *geometry);
 
 /* ---- gltf_mesh.c ---- */
 

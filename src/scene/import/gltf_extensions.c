@@ -3,10 +3,11 @@
 #include "scene/import/gltf.h"
 
 static const char *const supported_extensions[] = {
-    "KHR_texture_transform",  "KHR_materials_emissive_strength",
-    "KHR_materials_unlit",    "KHR_materials_ior",
-    "KHR_materials_specular", "KHR_materials_pbrSpecularGlossiness",
-    "KHR_lights_punctual",    "KHR_mesh_quantization",
+    "KHR_texture_transform",      "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",        "KHR_materials_ior",
+    "KHR_materials_specular",     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_lights_punctual",        "KHR_mesh_quantization",
+    "KHR_materials_transmission", "KHR_materials_volume",
 };
 
 /* Extensions that say nothing about the picture: left out without a word when merely used. */
@@ -20,9 +21,7 @@ static const char *const silent_extensions[] = {
 static const struct {
     const char *name, *consequence;
 } ignored_extensions[] = {
-    {"KHR_materials_transmission", "these surfaces are shown opaque"},
     {"KHR_materials_diffuse_transmission", "these surfaces are shown opaque"},
-    {"KHR_materials_volume", "absorption inside these objects is left out"},
     {"KHR_materials_volume_scatter", "scattering inside these objects is left out"},
     {"KHR_materials_clearcoat", "the coat is left out"},
     {"KHR_materials_sheen", "the sheen is left out"},

@@ -158,7 +158,8 @@ static air_status read_alpha(const air_json *material, air_material_desc *desc)
     return status;
 }
 
-static air_status read_material(air_gltf *gltf, const air_json *at, air_material_desc *desc)
+static air_status read_material(air_gltf *gltf, const air_json *at, air_material_desc *desc,
+                                air_gltf_volume *volume)
 {
     const air_json extensions = air_json_get(at, "extensions");
     const air_json glossiness = air_json_get(&extensions, "KHR_materials_pbrSpecularGlossiness");
@@ -187,6 +188,8 @@ static air_status read_material(air_gltf *gltf, const air_json *at, air_material
     if (status == AIR_OK)
         status = read_specular(gltf, &extensions, desc);
     if (status == AIR_OK)
+        status = air_gltf_read_transmission(gltf, &extensions, desc, volume);
+    if (status == AIR_OK)
         status = read_alpha(at, desc);
     if (status == AIR_OK)
         status = air_json_bool(&double_sided, &desc->double_sided);
@@ -199,7 +202,7 @@ air_status air_gltf_material(air_gltf *gltf, size_t index, air_handle *out_handl
     if (gltf->material_store[index] == AIR_NONE) {
         air_material_desc desc;
         air_material_desc_default(&desc);
-        air_status status = read_material(gltf, &at, &desc);
+        air_status status = read_material(gltf, &at, &desc, &gltf->volume_store[index]);
         if (status != AIR_OK)
             return status;
         status = air_scene_add_material(gltf->import->scene, &desc, &gltf->material_store[index]);

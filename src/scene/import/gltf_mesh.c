@@ -220,6 +220,48 @@ static size_t mend_normals(air_primitive *primitive)
     return count;
 }
 
+/* Adds a primitive's triangles in world space. */
+static air_status append_primitive(air_context *context, const air_primitive *primitive,
+                                   const float to_world[12], air_import_geometry *geometry)
+{
+    const size_t vertex_count = geometry->vertex_count + primitive->vertex_count;
+    const size_t triangle_count = geometry->triangle_count + primitive->triangle_count;
+    float *positions =
+        air_reallocate(context, geometry->positions, vertex_count, 3 * sizeof *positions);
+    if (positions == NULL)
+        return air_fail_memory(context, "medium boundary");
+    geometry->positions = positions;
+    uint32_t *indices =
+        air_reallocate(context, geometry->indices, triangle_count, 3 * sizeof *indices);
+    if (indices == NULL)
+        return air_fail_memory(context, "medium boundary");
+    geometry->indices = indices;
+    for (size_t i = 0; i < primitive->vertex_count; ++i)
+        vec3_store(positions + 3 * (geometry->vertex_count + i),
+                   world_vertex(primitive, to_world, i));
+    const uint32_t first = (uint32_t)geometry->vertex_count;
+    for (size_t i = 0; i < 3 * primitive->triangle_count; ++i)
+        indices[3 * geometry->triangle_count + i] = first + primitive->indices[i];
+    geometry->vertex_count = vertex_count;
+    geometry->triangle_count = triangle_count;
+    return AIR_OK;
+}
+
+/* What a primitive of some material encloses. */
+static air_status add_volume(air_gltf *gltf, const air_import_object *object, size_t material,
+                             const air_primitive *primitive)
+{
+    air_import_geometry geometry = {0};
+    if (!gltf->volume_store[material].absorbs)
+        return AIR_OK;
+    air_status status = append_primitive(gltf->context, primitive, object->to_world, &geometry);
+    if (status == AIR_OK)
+        status = air_gltf_add_volume(gltf, air_gltf_name(object), &gltf->volume_store[material],
+                                     &geometry);
+    air_import_geometry_finish(gltf->context, &geometry);
+    return status;
+}
+
 static air_status add_primitive(air_gltf *gltf, const air_import_object *object, size_t index,
                                 const air_json *at)
 {
@@ -265,6 +307,8 @@ static air_status add_primitive(air_gltf *gltf, const air_import_object *object,
     desc.node = (int32_t)object->node;
     desc.primitive = (int32_t)index;
     status = air_scene_add_mesh(gltf->import->scene, &desc, &mesh_handle);
+    if (status == AIR_OK && material_at.value != NULL)
+        status = add_volume(gltf, object, material, &primitive);
     if (status != AIR_OK)
         status = air_json_place_error(at, status);
 done:
@@ -289,33 +333,6 @@ air_status air_gltf_add_mesh(air_gltf *gltf, const air_import_object *object)
         status = add_primitive(gltf, object, i, &at);
     }
     return status;
-}
-
-/* Adds a primitive's triangles in world space. */
-static air_status append_primitive(air_context *context, const air_primitive *primitive,
-                                   const float to_world[12], air_import_geometry *geometry)
-{
-    const size_t vertex_count = geometry->vertex_count + primitive->vertex_count;
-    const size_t triangle_count = geometry->triangle_count + primitive->triangle_count;
-    float *positions =
-        air_reallocate(context, geometry->positions, vertex_count, 3 * sizeof *positions);
-    if (positions == NULL)
-        return air_fail_memory(context, "medium boundary");
-    geometry->positions = positions;
-    uint32_t *indices =
-        air_reallocate(context, geometry->indices, triangle_count, 3 * sizeof *indices);
-    if (indices == NULL)
-        return air_fail_memory(context, "medium boundary");
-    geometry->indices = indices;
-    for (size_t i = 0; i < primitive->vertex_count; ++i)
-        vec3_store(positions + 3 * (geometry->vertex_count + i),
-                   world_vertex(primitive, to_world, i));
-    const uint32_t first = (uint32_t)geometry->vertex_count;
-    for (size_t i = 0; i < 3 * primitive->triangle_count; ++i)
-        indices[3 * geometry->triangle_count + i] = first + primitive->indices[i];
-    geometry->vertex_count = vertex_count;
-    geometry->triangle_count = triangle_count;
-    return AIR_OK;
 }
 
 air_status air_gltf_append_geometry(void *user, const air_import_object *object,

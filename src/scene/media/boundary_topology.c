@@ -446,6 +446,30 @@ air_status air_topology_make(const air_subject *subject, const float *positions,
     return status;
 }
 
+air_status air_topology_is_closed(air_context *context, const float *positions, size_t vertex_count,
+                                  const uint32_t *indices, size_t triangle_count, bool *out_closed)
+{
+    mesh_work work = {.context = context};
+    air_status status = weld(&work, positions, vertex_count, indices, triangle_count);
+    const size_t edge_count = 3 * work.mesh.triangle_count;
+    if (status == AIR_OK) {
+        work.edges = air_allocate(context, edge_count, sizeof *work.edges);
+        status = work.edges == NULL ? air_fail_memory(context, "boundary mesh") : AIR_OK;
+    }
+    if (status == AIR_OK) {
+        list_edges(&work);
+        *out_closed = edge_count > 0 && edge_count % 2 == 0;
+        for (size_t i = 0; i < edge_count && *out_closed; i += 2) {
+            const half_edge *a = &work.edges[i], *b = a + 1;
+            *out_closed = a->low == b->low && a->high == b->high &&
+                          (i == 0 || a[-1].low != a->low || a[-1].high != a->high);
+        }
+    }
+    air_free(context, work.edges);
+    air_topology_finish(context, &work.mesh);
+    return status;
+}
+
 void air_topology_finish(air_context *context, air_topology *topology)
 {
     air_free(context, topology->indices);

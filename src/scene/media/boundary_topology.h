@@ -23,6 +23,9 @@ typedef struct air_topology {
 air_status air_topology_make(const air_subject *subject, const float *positions,
                              size_t vertex_count, const uint32_t *indices, size_t triangle_count,
                              air_topology *out);
+/* Does every edge belong to two triangles? Says so without a message. */
+air_status air_topology_is_closed(air_context *context, const float *positions, size_t vertex_count,
+                                  const uint32_t *indices, size_t triangle_count, bool *out_closed);
 void air_topology_finish(air_context *context, air_topology *topology);
 
 /* The planes of a convex mesh with at most AIR_MAX_PLANES different faces; *out_count is 0 for any
