@@ -204,7 +204,8 @@ air_status air_mesh_coordinates(air_context *context, const air_snapshot *snapsh
                  index, mesh->name, air_shape_name((air_shape)mesh->quadric->shape));
         return AIR_OK;
     }
-    if (snapshot->materials[mesh->material].unlit || mesh->triangle_count == 0) {
+    const air_material *material = &snapshot->materials[mesh->material];
+    if (material->unlit || material->model == AIR_MATERIAL_NULL || mesh->triangle_count == 0) {
         return AIR_OK;
     }
     if (wanted && mesh->uv[1] != NULL) {

@@ -102,6 +102,13 @@ static json_t *describe_meshes(const air_snapshot *snapshot)
 static json_t *describe_materials(const air_snapshot *snapshot)
 {
     static const char *const alpha_modes[] = {"opaque", "mask", "blend"};
+    static const char *const models[] = {"metallic_roughness",
+                                         "dielectric",
+                                         "thin_dielectric",
+                                         "conductor",
+                                         "plastic",
+                                         "blend",
+                                         "null"};
     json_t *array = json_array();
     for (size_t i = 1; i < snapshot->material_count; ++i) { /* 0 is the default one, in no file */
         const air_material *material = &snapshot->materials[i];
@@ -111,6 +118,10 @@ static json_t *describe_materials(const air_snapshot *snapshot)
         json_object_set_new(object, "metallic", number(material->metallic));
         json_object_set_new(object, "roughness", number(material->roughness));
         set_if(object, !vec3_is_zero(material->emission), "emission", vector(material->emission));
+        set_if(object, material->model != AIR_MATERIAL_METALLIC_ROUGHNESS, "model",
+               json_string(models[material->model]));
+        set_if(object, material->transmission > 0.0f, "transmission",
+               number(material->transmission));
         set_if(object, material->textured, "textured", json_true());
         set_if(object, material->alpha_mode != AIR_ALPHA_OPAQUE, "alpha_mode",
                json_string(alpha_modes[material->alpha_mode]));
