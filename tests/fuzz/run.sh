@@ -26,6 +26,7 @@ vol) endings='vol' ;;
 nvdb) endings='nvdb' ;;
 hdr) endings='hdr' ;;
 image) endings='exr png ktx2' ;;
+obj | ply | serialized) endings=$name ;;
 *) endings='' ;;
 esac
 for ending in $endings; do
