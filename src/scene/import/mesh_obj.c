@@ -1,5 +1,5 @@
-/* mesh_obj.c: Wavefront OBJ [OBJ]: vertices, their texture coordinates, normals and colours, and
- * faces; everything else says nothing about shape and is passed by.
+/* mesh_obj.c: Wavefront OBJ [Wavefront1995]: vertices, their texture coordinates, normals and
+ * colours, and faces; everything else says nothing about shape and is passed by.
  *
  * The text is read three times: to count, for values, for faces. So all arrays have their size
  * from the beginning, and a face may name vertices that come later. */

@@ -1,4 +1,4 @@
-/* mesh_serialized.c: Mitsuba's .serialized, versions 3 and 4 [Jakob2010, "serialized"].
+/* mesh_serialized.c: Mitsuba's .serialized, versions 3 and 4 [Jakob2014, "serialized"].
  *
  * Each shape begins with the magic number and the version and goes on as a zlib stream: flags, in
  * version 4 a name that ends with a NUL, the numbers of vertices and triangles as 64 bits,
