@@ -28,23 +28,30 @@ static air_status decode(air_context *context, const char *path, air_mesh_format
                     (int)format);
 }
 
-air_status air_mesh_file_read(air_context *context, const char *path, air_mesh_format format,
-                              size_t shape_index, air_mesh_file *out)
+air_status air_mesh_file_decode(air_context *context, const char *path, air_mesh_format format,
+                                size_t shape_index, const void *data, size_t size,
+                                air_mesh_file *out)
 {
-    void *data = NULL;
-    size_t size = 0;
-    air_status status = air_file_read(context, path, &data, &size);
-    if (status != AIR_OK)
-        return status;
     air_mesh_file mesh = {0};
-    status = decode(context, path, format, shape_index, data, size, &mesh);
-    air_free(context, data);
+    air_status status = decode(context, path, format, shape_index, data, size, &mesh);
     if (status == AIR_OK && mesh.triangle_count == 0)
         status = air_fail(context, AIR_ERROR_FORMAT, "%s: expected at least one triangle", path);
     if (status == AIR_OK)
         *out = mesh;
     else
         air_mesh_file_finish(context, &mesh);
+    return status;
+}
+
+air_status air_mesh_file_read(air_context *context, const char *path, air_mesh_format format,
+                              size_t shape_index, air_mesh_file *out)
+{
+    void *data = NULL;
+    size_t size = 0;
+    air_status status = air_file_read(context, path, &data, &size);
+    if (status == AIR_OK)
+        status = air_mesh_file_decode(context, path, format, shape_index, data, size, out);
+    air_free(context, data);
     return status;
 }
 

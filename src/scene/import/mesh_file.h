@@ -21,6 +21,10 @@ typedef enum air_mesh_format { AIR_MESH_OBJ, AIR_MESH_PLY, AIR_MESH_SERIALIZED }
  * On failure *out is untouched and the message names the file and the line or byte. */
 air_status air_mesh_file_read(air_context *context, const char *path, air_mesh_format format,
                               size_t shape_index, air_mesh_file *out);
+/* The same from the bytes of the file, which may hold many shapes; path is for messages. */
+air_status air_mesh_file_decode(air_context *context, const char *path, air_mesh_format format,
+                                size_t shape_index, const void *data, size_t size,
+                                air_mesh_file *out);
 void air_mesh_file_finish(air_context *context, air_mesh_file *file);
 
 /* Gives a mesh without normals those of its triangles, weighted at each vertex by their angles
