@@ -4,14 +4,6 @@
 
 #include "scene/import/resource.h"
 
-void air_load_params_default(air_load_params *params)
-{
-    *params = (air_load_params){.light_units = AIR_UNITS_AUTO,
-                                .emissive_units = AIR_UNITS_AUTO,
-                                .scene_index = -1,
-                                .frame = AIR_FRAME_NONE};
-}
-
 static void gltf_finish(air_gltf *gltf)
 {
     for (size_t i = 0; gltf->buffer_store != NULL && i < air_json_count(&gltf->buffers); ++i)
@@ -111,8 +103,9 @@ static air_status choose_units(air_gltf *gltf)
     return air_scene_set_source(gltf->import->scene, gltf->path, lights, emission);
 }
 
-static air_status add_objects(air_gltf *gltf)
+static air_status add_objects(void *user)
 {
+    air_gltf *gltf = user;
     air_import *import = gltf->import;
     air_status status = AIR_OK;
     for (size_t i = 0; i < import->object_count && status == AIR_OK; ++i) {
@@ -167,69 +160,25 @@ static air_status report(air_gltf *gltf)
     return status;
 }
 
-/* The sidecars that are not in the scene file: later ones have the last word. */
-static air_status add_sidecars(air_import *import, const char *path)
+static air_status read_scene(air_gltf *gltf)
 {
-    const air_load_params *params = import->params;
-    char *beside = air_path_with_ending(import->context, path, ".airlight.json");
-    if (beside == NULL)
-        return AIR_ERROR_MEMORY;
-    air_status status = air_sidecar_add_file(import, beside, true);
-    air_free(import->context, beside);
-    for (size_t i = 0; i < params->with_count && status == AIR_OK; ++i)
-        status = air_sidecar_add_file(import, params->with[i], false);
-    for (size_t i = 0; i < params->media_count && status == AIR_OK; ++i)
-        status = air_sidecar_add_argument(import, params->media[i], i + 1);
-    return status;
-}
-
-static air_status fill_scene(air_gltf *gltf)
-{
-    air_import *import = gltf->import;
     air_status status = open_file(gltf);
     if (status == AIR_OK)
         status = choose_units(gltf);
     if (status == AIR_OK)
         status = air_gltf_walk(gltf);
     if (status == AIR_OK)
-        status = add_sidecars(import, gltf->path);
-    if (status == AIR_OK)
-        status = air_sidecars_mark(import);
-    if (status == AIR_OK)
-        status = air_sidecars_add_cameras(import);
-    if (status == AIR_OK)
-        status = add_objects(gltf);
-    if (status == AIR_OK)
-        status = air_sidecars_add(import);
-    if (status == AIR_OK && import->params->environment != NULL)
-        status = air_environment_argument_add(import, import->params->environment);
+        status = air_import_fill(gltf->import, gltf->path);
     return status == AIR_OK ? report(gltf) : status;
 }
 
-air_status air_scene_load(air_context *context, const char *path, const air_load_params *params,
-                          air_scene **out_scene)
+air_status air_gltf_read(air_import *import, const char *path)
 {
-    air_load_params defaults;
-    air_load_params_default(&defaults);
-    if (out_scene == NULL)
-        return air_fail(context, AIR_ERROR_ARGUMENT, "air_scene_load: out_scene is NULL");
-    *out_scene = NULL;
-    if (path == NULL)
-        return air_fail(context, AIR_ERROR_ARGUMENT, "air_scene_load: path is NULL");
-    air_import import = {.context = context, .params = params != NULL ? params : &defaults};
-    air_gltf gltf = {.context = context, .import = &import, .path = path};
-    import.append_geometry = air_gltf_append_geometry;
-    import.user = &gltf;
-    air_status status = air_scene_create(context, &import.scene);
-    if (status == AIR_OK)
-        status = air_scene_set_frame(import.scene, import.params->frame);
-    if (status == AIR_OK)
-        status = fill_scene(&gltf);
-    air_import_finish(&import);
+    air_gltf gltf = {.context = import->context, .import = import, .path = path};
+    import->append_geometry = air_gltf_append_geometry;
+    import->add_objects = add_objects;
+    import->user = &gltf;
+    const air_status status = read_scene(&gltf);
     gltf_finish(&gltf);
-    if (status == AIR_OK)
-        *out_scene = import.scene;
-    else
-        air_scene_destroy(import.scene);
     return status;
 }

@@ -62,8 +62,15 @@ typedef struct air_import {
     /* Appends the triangles of an object's mesh; set by the reader of the scene file. */
     air_status (*append_geometry)(void *user, const air_import_object *object,
                                   air_import_geometry *geometry);
+    /* Adds the objects to the scene, once they are marked; set likewise. */
+    air_status (*add_objects)(void *user);
     void *user;
 } air_import;
+
+/* The reader of glTF: it collects its file's objects and calls air_import_fill. */
+air_status air_gltf_read(air_import *import, const char *path);
+/* The sidecars, the objects, what the sidecars bring, and --environment. */
+air_status air_import_fill(air_import *import, const char *path);
 
 void air_import_finish(air_import *import);
 
