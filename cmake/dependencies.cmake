@@ -7,6 +7,7 @@ find_package(Threads REQUIRED)
 find_package(OpenMP REQUIRED COMPONENTS C)
 find_package(OpenEXR 3.1 CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(EXPAT REQUIRED)
 pkg_check_modules(JANSSON REQUIRED IMPORTED_TARGET jansson)
 pkg_check_modules(BLOSC REQUIRED IMPORTED_TARGET blosc)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
@@ -17,5 +18,5 @@ if(NOT embree_FOUND)
     find_package(embree 4 CONFIG REQUIRED)
 endif()
 
-set(AIR_LIBRARIES embree OpenEXR::OpenEXRCore PkgConfig::JANSSON PkgConfig::BLOSC PkgConfig::ZSTD ZLIB::ZLIB
+set(AIR_LIBRARIES embree OpenEXR::OpenEXRCore PkgConfig::JANSSON PkgConfig::BLOSC PkgConfig::ZSTD ZLIB::ZLIB EXPAT::EXPAT
     OpenMP::OpenMP_C Threads::Threads m)

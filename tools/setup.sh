@@ -6,7 +6,7 @@
 set -eu
 
 packages="gcc libc6-dev make cmake ninja-build pkgconf
-    libembree-dev libopenexr-dev libnanovdb-dev libstb-dev libjansson-dev zlib1g-dev libzstd-dev libblosc-dev libcmocka-dev"
+    libembree-dev libopenexr-dev libnanovdb-dev libstb-dev libjansson-dev libexpat1-dev zlib1g-dev libzstd-dev libblosc-dev libcmocka-dev"
 if [ "${1:-}" = "--check" ]; then
     packages="$packages g++ clang-format-14"
 fi
