@@ -67,8 +67,9 @@ typedef struct air_import {
     void *user;
 } air_import;
 
-/* The reader of glTF: it collects its file's objects and calls air_import_fill. */
+/* The readers: each collects its file's objects and calls air_import_fill. */
 air_status air_gltf_read(air_import *import, const char *path);
+air_status air_mitsuba_read(air_import *import, const char *path);
 /* The sidecars, the objects, what the sidecars bring, and --environment. */
 air_status air_import_fill(air_import *import, const char *path);
 

@@ -45,6 +45,12 @@ air_status air_import_fill(air_import *import, const char *path)
     return status;
 }
 
+static bool ends_with(const char *path, const char *ending)
+{
+    const size_t length = strlen(path), tail = strlen(ending);
+    return length >= tail && strcmp(path + length - tail, ending) == 0;
+}
+
 air_status air_scene_load(air_context *context, const char *path, const air_load_params *params,
                           air_scene **out_scene)
 {
@@ -60,7 +66,8 @@ air_status air_scene_load(air_context *context, const char *path, const air_load
     if (status == AIR_OK)
         status = air_scene_set_frame(import.scene, import.params->frame);
     if (status == AIR_OK)
-        status = air_gltf_read(&import, path);
+        status = ends_with(path, ".xml") ? air_mitsuba_read(&import, path)
+                                         : air_gltf_read(&import, path);
     air_import_finish(&import);
     if (status == AIR_OK)
         *out_scene = import.scene;
