@@ -132,6 +132,7 @@ static cli_exit open_scene(render_run *run)
     if (result == CLI_OK) {
         result =
             cli_sequence_set_camera(&run->host, &run->camera, &run->options.orbit, &run->sequence);
+        run->camera.film = run->sequence.still.film;
     }
     return result;
 }

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* More pixels than this in one picture are taken for a mistake. */
 static const uint64_t pixel_max = (uint64_t)1 << 28;
@@ -48,7 +49,8 @@ static const cli_option sampling_options[] = {
      .help = "interactive (4 samples per pixel, any number of events, method interactive), draft "
              "(16, 8), "
              "medium (64, 32) or high (512, unlimited); default medium. --spp, --samples, --time, "
-             "--max-depth, --method and the options of method ordinates override it."},
+             "--max-depth, --method and the options of method ordinates override it; without it "
+             "a scene file that says how many samples has its way."},
     {.name = "spp",
      .kind = CLI_COUNT,
      .value = "N",
@@ -102,7 +104,7 @@ static const cli_option sampling_options[] = {
      .choices = filter_names,
      .offset = offsetof(cli_render_options, filter),
      .help = "Pixel filter: box, point (rays through pixel centres), tent, gaussian (standard "
-             "deviation a third of its radius 1.5) or mitchell; default box."},
+             "deviation a third of its radius 1.5) or mitchell; default the scene file's, or box."},
     {.name = "variance",
      .kind = CLI_COUNT,
      .value = "R",
@@ -206,8 +208,9 @@ static const cli_option frame_options[] = {
      .min = 1,
      .max = 65535,
      .offset = offsetof(cli_render_options, width),
-     .help =
-         "Pixels; one of width and height alone gives the other from the camera; none: 960 wide."},
+     .help = "Pixels; one of width and height alone gives the other from the camera; none: as the "
+             "scene "
+             "file says, or 960 wide."},
     {.name = "height",
      .kind = CLI_COUNT,
      .value = "N",
@@ -347,10 +350,11 @@ static uint32_t replicates_of(const cli_render_options *options)
 }
 
 static cli_exit set_samples(cli_host *host, const cli_render_options *options,
-                            air_render_params *params)
+                            const air_film_hint *film, air_render_params *params)
 {
     const uint32_t replicates = replicates_of(options);
-    uint32_t count = quality_of(options)->spp;
+    const bool as_filed = film->known && !options->quality.set;
+    uint32_t count = as_filed ? film->samples : quality_of(options)->spp;
     if (options->samples.set) {
         params->sample_begin = (uint32_t)options->samples.value[0];
         count = (uint32_t)(options->samples.value[1] - options->samples.value[0]);
@@ -395,11 +399,18 @@ static double film_bytes_per_pixel(const cli_render_options *options)
     return 2.0 * sizeof(double) * (3.0 * terms + guides + squares);
 }
 
-static cli_exit set_size(cli_host *host, const cli_render_options *options, double aspect,
-                         air_render_params *params)
+/* What the scene file says holds where neither side is given: width and height, and the crop. */
+static cli_exit set_size(cli_host *host, const cli_render_options *options,
+                         const cli_camera *camera, air_render_params *params)
 {
+    const double aspect = camera->aspect;
+    const bool as_filed = camera->film.known && !options->width.set && !options->height.set;
     size_t width = options->width.set ? (size_t)options->width.value : DEFAULT_WIDTH;
     size_t height = clamp_size((double)width / aspect);
+    if (as_filed) {
+        width = camera->film.width;
+        height = camera->film.height;
+    }
     if (options->height.set) {
         height = (size_t)options->height.value;
         width = options->width.set ? width : clamp_size((double)height * aspect);
@@ -414,9 +425,8 @@ static cli_exit set_size(cli_host *host, const cli_render_options *options, doub
     }
     params->width = width;
     params->height = height;
-    params->crop[0] = params->crop[1] = 0;
-    params->crop[2] = width;
-    params->crop[3] = height;
+    const size_t whole[4] = {0, 0, width, height};
+    memcpy(params->crop, as_filed ? camera->film.crop : whole, sizeof params->crop);
     return CLI_OK;
 }
 
@@ -450,6 +460,10 @@ cli_exit cli_render_params(cli_host *host, const cli_render_options *options,
     params->seed = options->seed.value;
     params->filter = (air_filter)options->filter.value;
     params->filter_radius = air_filter_radius_default(params->filter);
+    if (camera->film.known && !options->filter.set) {
+        params->filter = camera->film.filter;
+        params->filter_radius = camera->film.filter_radius;
+    }
     if (options->pattern.set) {
         params->pattern = (air_pattern)options->pattern.value;
     }
@@ -476,9 +490,9 @@ cli_exit cli_render_params(cli_host *host, const cli_render_options *options,
     params->layers = options->layers;
     params->guides = options->guides;
     params->time_limit_s = options->time.set ? options->time.value : (double)INFINITY;
-    cli_exit result = set_samples(host, options, params);
+    cli_exit result = set_samples(host, options, &camera->film, params);
     if (result == CLI_OK) {
-        result = set_size(host, options, camera->aspect, params);
+        result = set_size(host, options, camera, params);
     }
     return result == CLI_OK ? set_crop(host, options, params) : result;
 }

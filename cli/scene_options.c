@@ -50,6 +50,21 @@ static const cli_option scene_options[] = {
      .max = 1e6,
      .offset = offsetof(cli_scene_options, scene_index),
      .help = "Which scene of a glTF file that holds several; default: the one the file names."},
+    {.name = "define",
+     .letter = 'D',
+     .kind = CLI_LIST,
+     .value = "NAME=VALUE",
+     .offset = offsetof(cli_scene_options, defines),
+     .help = "Value of a $parameter of a Mitsuba scene. Repeatable."},
+    {.name = "lenient",
+     .kind = CLI_FLAG,
+     .offset = offsetof(cli_scene_options, lenient),
+     .help = "Of a Mitsuba scene: replace what is not supported, with a warning that says by what, "
+             "instead of refusing it."},
+    {.name = "files-anywhere",
+     .kind = CLI_FLAG,
+     .offset = offsetof(cli_scene_options, files_anywhere),
+     .help = "A Mitsuba scene may name files outside its folder."},
     {.name = "frame",
      .kind = CLI_COUNT,
      .value = "N",
@@ -104,6 +119,10 @@ cli_exit cli_scene_load(cli_host *host, const char *path, const cli_scene_option
     params.media = options->media.items;
     params.media_count = options->media.count;
     params.environment = options->environment;
+    params.defines = options->defines.items;
+    params.define_count = options->defines.count;
+    params.lenient = options->lenient;
+    params.files_anywhere = options->files_anywhere;
     params.light_units = (air_units)options->light_units.value;
     params.emissive_units = (air_units)options->emissive_units.value;
     if (options->scene_index.set) {

@@ -8,9 +8,10 @@
 #include "host.h"
 
 typedef struct cli_scene_options {
-    cli_list with, media;
+    cli_list with, media, defines;
     const char *environment;
     cli_count light_units, emissive_units, scene_index, frame;
+    bool lenient, files_anywhere;
 } cli_scene_options;
 
 /* A camera as the description of a scene lists it. The strings belong to that description. */
@@ -18,6 +19,7 @@ typedef struct cli_camera {
     air_handle handle;
     const char *name;
     double aspect; /* width / height */
+    air_film_hint film;
 } cli_camera;
 
 cli_option_group cli_scene_group(cli_scene_options *options);

@@ -7,7 +7,7 @@ static air_status read_filter(const air_mitsuba *mitsuba, air_xml *at, air_film_
     static const char *const types[] = {"box", "tent", "gaussian", "mitchell"};
     float stddev = 0.5f, third = 1.0f / 3.0f;
     film->filter = AIR_FILTER_GAUSSIAN;
-    film->filter_radius = 2.0f; /* 4 standard deviations */
+    film->filter_radius = 1.5f; /* airlight's end at 3 standard deviations, Mitsuba's at 4 */
     if (at == NULL)
         return AIR_OK;
     at->asked = true;
@@ -23,7 +23,7 @@ static air_status read_filter(const air_mitsuba *mitsuba, air_xml *at, air_film_
     }
     if (air_mitsuba_is(at, "gaussian")) {
         const air_status status = air_mitsuba_float(mitsuba, at, "stddev", &stddev);
-        film->filter_radius = 4.0f * stddev;
+        film->filter_radius = 3.0f * stddev;
         return status;
     }
     film->filter = AIR_FILTER_MITCHELL;
