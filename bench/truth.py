@@ -1,0 +1,252 @@
+#!/usr/bin/env python3
+"""Scenes made by others: `path` beside Mitsuba 3 and beside reference images, and the fast methods
+beside `path`. Needs NumPy, the scenes in ../shared, and, for what is said beside Mitsuba, a Python
+that has it.
+
+    python3 bench/truth.py --mitsuba PYTHON --write docs/truth.md
+
+Both render with a box filter until the median over blocks of 4 x 4 pixels of the standard error is
+below --error of the block's mean, in 16 independent scramblings. Printed are: that error, of ours
+and theirs; the p-value of the worst block, corrected by Sidak for their number (`airlight diff`,
+Student's t with 15 degrees of freedom each); how far the pictures' means are apart, in percent and in
+standard errors; the variance of a pixel's mean over its square (with 1e-4 of the picture's mean squared
+added) times seconds of rendering, ours over theirs. Of fast methods: bias and relMSE beside ours, the
+noise of ours taken out, and seconds.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+import exr
+import mitsuba_scene
+
+SEEDS = 16
+MOST_SAMPLES = 1 << 16
+METHODS = ("auto", "collimated", "arealight", "ordinates")
+LAJOLLA = "hetvol hetvol_colored vol_cbox vol_cbox_teapot volpath_test1 volpath_test2 volpath_test3 "
+LAJOLLA += "volpath_test4 volpath_test4_2 volpath_test5 volpath_test5_2 volpath_test6"
+SCENES = [f"lajolla_volpath/{name}.xml" for name in LAJOLLA.split()] + [
+    "lajolla_cbox/cbox.xml",
+    "lajolla_sponza/sponza.xml",
+    "mitsuba_cbox/cbox-rgb.xml",
+    "bitterli_cornell-box/scene.xml",
+    "roombeam/roombeam-mitsuba3.xml",
+]
+REFERENCES = {"bitterli_cornell-box/scene.xml": "bitterli_cornell-box/TungstenRender.exr"}
+
+
+class Picture:
+    """A mean, the variance of it, samples per pixel and seconds of rendering."""
+
+    def __init__(self, mean, variance, samples, seconds):
+        self.mean, self.variance = mean, variance
+        self.samples, self.seconds = samples, seconds
+
+    def block_error(self):
+        """The median standard error of blocks over their means, of those that are not black."""
+        mean, variance = blocks(self.mean), blocks(self.variance) / 16.0
+        seen = mean > 1e-3 * mean.mean()
+        return float(np.median(np.sqrt(variance[seen]) / mean[seen]))
+
+    def noise(self):
+        scale = self.mean**2 + 1e-4 * self.mean.mean() ** 2
+        return float((self.variance / scale).mean())
+
+
+def blocks(image):
+    high, wide = (n // 4 * 4 for n in image.shape[:2])
+    return image[:high, :wide].reshape(high // 4, 4, wide // 4, 4, 3).mean((1, 3))
+
+
+def limits(depth):
+    """Options for so many events, None: any number; 0: none, light that is seen straight."""
+    if depth == 0:
+        return ["--max-depth", "1", "--terms", "emission,background"]
+    return ["--max-depth", "unlimited" if depth is None else str(depth)]
+
+
+# ---- the two renderers ----
+
+
+def render(options, scene, size, depth, samples, extra):
+    """By airlight; its picture's channels and seconds of rendering."""
+    out = os.path.join(options.folder, "ours.exr")
+    command = [options.airlight, "render", scene, "-o", out, "--json", "-q", "--filter", "box"]
+    command += ["--width", str(size[0]), "--height", str(size[1]), "--spp", str(samples)]
+    done = subprocess.run(
+        command + limits(depth) + extra, check=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    return exr.read(out), json.loads(done.stdout)["seconds"]["render"]
+
+
+def ours(options):
+    def picture(scene, size, depth, samples):
+        extra = ["--method", "path", f"--variance={SEEDS}"]
+        channels, seconds = render(options, scene, size, depth, samples, extra)
+        return Picture(exr.colour(channels), exr.colour(channels, "variance"), samples, seconds)
+
+    return picture
+
+
+def theirs(options, variant):
+    def picture(scene, size, depth, samples):
+        xml = os.path.join(options.folder, "theirs.xml")
+        out = os.path.join(options.folder, "theirs.npz")
+        mitsuba_scene.write(scene, xml, *size, depth)
+        tool = os.path.join(os.path.dirname(os.path.abspath(__file__)), "mitsuba_render.py")
+        command = [options.mitsuba, tool, variant, xml, str(samples // SEEDS), str(SEEDS), out]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        with np.load(out) as data:
+            return Picture(data["mean"], data["variance"], samples, float(data["seconds"]))
+
+    return picture
+
+
+def converged(options, picture, scene, size, depth):
+    """With as many samples as the error asks for."""
+    found = picture(scene, size, depth, 8 * SEEDS)
+    while found.block_error() > options.error and found.samples < MOST_SAMPLES:
+        more = 1.15 * (found.block_error() / options.error) ** 2
+        power = max(1, int(np.ceil(np.log2(more))))
+        found = picture(scene, size, depth, min(found.samples << power, MOST_SAMPLES))
+    return found
+
+
+# ---- comparing ----
+
+
+def z_test(options, a, b):
+    """What `airlight diff` says of two pictures with variances."""
+    paths = []
+    for name, picture in (("a", a), ("b", b)):
+        for what, image in (("mean", picture.mean), ("variance", picture.variance)):
+            paths.append(os.path.join(options.folder, f"{name}-{what}.exr"))
+            exr.write(paths[-1], {c: image[..., i] for i, c in enumerate("RGB")})
+    command = [options.airlight, "diff", paths[0], paths[2], "--variance-a", paths[1]]
+    command += ["--variance-b", paths[3], "--block", "4", "--dof", str(SEEDS - 1), "--json", "-q"]
+    return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+
+
+def whole_bias(a, b):
+    """In percent, and in standard errors."""
+    gap = a.mean.mean() - b.mean.mean()
+    error = np.sqrt((a.variance + b.variance).sum()) / a.mean.size
+    return 100.0 * gap / b.mean.mean(), gap / error
+
+
+def fast_methods(options, scene, size, depth, truth):
+    """Rows of methods whose pictures are not those of path."""
+    rows = []
+    plain, _ = render(options, scene, size, depth, 16, ["--method", "path"])
+    for method in METHODS:
+        channels, seconds = render(options, scene, size, depth, 16, ["--method", method])
+        image = exr.colour(channels)
+        if np.array_equal(image, exr.colour(plain)):
+            continue
+        scale = truth.mean**2 + 1e-4 * truth.mean.mean() ** 2
+        error = (((image - truth.mean) ** 2 - truth.variance) / scale).mean()
+        bias = 100.0 * (image.mean() / truth.mean.mean() - 1.0)
+        rows.append((method, bias, error, seconds))
+    return rows
+
+
+def reference_bias(options, scene, truth_path, depth):
+    """Percent between the means of ours and of a reference image, at its size."""
+    reference = exr.colour(exr.read(os.path.join(options.shared, truth_path)))
+    size = (reference.shape[1] // 4, reference.shape[0] // 4)
+    found = converged(options, ours(options), scene, size, depth)
+    return 100.0 * (found.mean.mean() / reference.mean() - 1.0)
+
+
+# ---- the page ----
+
+
+def compare(options, name):
+    """The lines of one scene: of the first table, and of the second."""
+    scene = os.path.join(options.shared, name)
+    width, height, depth = mitsuba_scene.film_size(scene)
+    size = (options.width, max(4, round(options.width * height / width / 4) * 4))
+    mine = converged(options, ours(options), scene, size, depth)
+    title = name.rsplit(".", 1)[0]
+    line = f"| {title} | {size[0]} x {size[1]} | "
+    if options.mitsuba:
+        other = converged(options, theirs(options, "scalar_rgb"), scene, size, depth)
+        test, (bias, sigmas) = z_test(options, mine, other), whole_bias(mine, other)
+        speed = []
+        for variant in options.variants:
+            timed = theirs(options, variant)(scene, size, depth, 8 * SEEDS)
+            speed.append(mine.noise() * mine.seconds / (timed.noise() * timed.seconds))
+        line += f"{100 * mine.block_error():.1f}, {100 * other.block_error():.1f} | "
+        line += f"{test['sidak-p']:.2g} | {bias:+.2f} % | {sigmas:+.1f} | "
+        line += " | ".join(f"{s:.2f}" for s in speed) + " |"
+    else:
+        line += f"{100 * mine.block_error():.1f} | |"
+    rows = fast_methods(options, scene, size, depth, mine)
+    fast = [f"| {title} | {m} | {b:+.2f} % | {e:.2g} | {s:.2f} |" for m, b, e, s in rows]
+    if name in REFERENCES:
+        bias = reference_bias(options, scene, REFERENCES[name], depth)
+        fast.append(f"| {title} | reference image beside `path` | {-bias:+.2f} % | | |")
+    print(line, *fast, sep="\n", flush=True)
+    return line, fast
+
+
+def page(options, lines, fast):
+    variants = " | ".join(f"relMSE x s over {v}" for v in options.variants)
+    return "\n".join(
+        [
+            "# The truth, beside others'",
+            "",
+            "Made by `python3 bench/truth.py --mitsuba PYTHON --write docs/truth.md`, which says what the columns are. "
+            "Scenes made by others, read from Mitsuba's XML.",
+            "",
+            "## `path` beside Mitsuba 3",
+            "",
+            f"| scene | pixels | error of blocks, %, ours, theirs | Sidak p | means apart | in standard errors | {variants} |",
+            "| --- | --- | --- | --- | --- | --- |" + " --- |" * len(options.variants),
+            *lines,
+            "",
+            "## Fast methods beside `path`",
+            "",
+            "With 16 samples per pixel; methods that give path's picture are left out.",
+            "",
+            "| scene | method | bias | relMSE | seconds |",
+            "| --- | --- | --- | --- | --- |",
+            *fast,
+            "",
+        ]
+    )
+
+
+def main():
+    here = os.path.dirname(os.path.abspath(__file__))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--airlight", default=os.path.join(here, "../build/release/airlight"))
+    parser.add_argument("--shared", default=os.path.join(here, "../../shared/scenes"), type=os.path.abspath)
+    parser.add_argument("--mitsuba", help="a Python that has Mitsuba 3")
+    parser.add_argument("--variants", nargs="+", default=["scalar_rgb", "llvm_ad_rgb"])
+    parser.add_argument("--width", type=int, default=128)
+    parser.add_argument("--error", type=float, default=0.014, help="of blocks, over their means")
+    parser.add_argument("--only", nargs="+", help="of the scenes")
+    parser.add_argument("--write", help="the page")
+    options = parser.parse_args()
+    if not os.path.isdir(options.shared):
+        sys.exit(f"truth: {options.shared}: expected the scenes made by others")
+    lines, fast = [], []
+    with tempfile.TemporaryDirectory() as options.folder:
+        for name in options.only or SCENES:
+            line, rows = compare(options, name)
+            lines.append(line)
+            fast += rows
+    if options.write:
+        with open(options.write, "w") as file:
+            file.write(page(options, lines, fast))
+
+
+if __name__ == "__main__":
+    main()
