@@ -159,6 +159,35 @@ static void scale_shear_and_mirroring_of_cameras_are_dropped(void **state)
     air_context_destroy(context);
 }
 
+/* Left and right change places, up and down do not, and what a snapshot says of the camera makes
+ * it again. */
+static void a_mirrored_camera_sees_the_mirrored_picture(void **state)
+{
+    air_context *context = fixture_context();
+    air_scene *scene = fixture_scene(context);
+    air_camera_desc desc;
+    air_handle handles[2];
+    (void)state;
+    air_camera_desc_default(&desc);
+    assert_int_equal(air_scene_add_camera(scene, &desc, &handles[0]), AIR_OK);
+    desc.mirrored = true;
+    assert_int_equal(air_scene_add_camera(scene, &desc, &handles[1]), AIR_OK);
+    air_snapshot *snapshot = fixture_commit(scene, NULL);
+    air_vec3 origin, plain, mirrored;
+    air_camera_ray(&snapshot->cameras[0], 64, 48, 10.0f, 7.0f, &origin, &plain);
+    air_camera_ray(&snapshot->cameras[1], 64, 48, 10.0f, 7.0f, &origin, &mirrored);
+    assert_near(mirrored, vec3(-plain.x, plain.y, plain.z), 1e-6f);
+    assert_int_equal(air_snapshot_camera_desc(snapshot, handles[1], &desc), AIR_OK);
+    assert_int_equal(air_scene_set_camera(scene, handles[0], &desc), AIR_OK);
+    air_snapshot *again = fixture_commit(scene, NULL);
+    air_camera_ray(&again->cameras[0], 64, 48, 10.0f, 7.0f, &origin, &plain);
+    assert_near(mirrored, plain, 0.0f);
+    air_snapshot_release(again);
+    air_snapshot_release(snapshot);
+    air_scene_destroy(scene);
+    air_context_destroy(context);
+}
+
 static void bad_cameras_are_refused_by_field(void **state)
 {
     air_context *context = fixture_context();
@@ -318,6 +347,7 @@ int main(void)
         cmocka_unit_test(framing_looks_from_the_front_and_above_with_the_horizon_level),
         cmocka_unit_test(nothing_to_frame_still_gives_a_camera),
         cmocka_unit_test(scale_shear_and_mirroring_of_cameras_are_dropped),
+        cmocka_unit_test(a_mirrored_camera_sees_the_mirrored_picture),
         cmocka_unit_test(bad_cameras_are_refused_by_field),
         cmocka_unit_test(rays_through_a_lens_meet_in_the_plane_of_focus),
         cmocka_unit_test(the_circle_of_confusion_has_its_size),

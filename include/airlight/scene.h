@@ -183,7 +183,8 @@ typedef struct air_film_hint {
 typedef struct air_camera_desc {
     const char *name;
     air_camera_kind kind;
-    float to_world[12];   /* looks along its local -Z, +Y up; scale is ignored */
+    float to_world[12];   /* looks along its local -Z, +Y up; scale and mirroring are ignored */
+    bool mirrored;        /* left and right change places; default false */
     float fov_y_rad;      /* perspective: vertical field of view, (0, pi) */
     float half_height;    /* orthographic: half of the height seen, metres */
     float lens_radius;    /* perspective: of a thin lens, metres; default 0: a pinhole */

@@ -279,6 +279,7 @@ static json_t *describe_cameras(const air_snapshot *snapshot)
                number(camera->lens_radius));
         set_if(object, perspective && camera->lens_radius > 0.0f, "focus_distance",
                number(camera->focus_distance));
+        set_if(object, camera->mirrored, "mirrored", json_true());
         set_if(object, camera->framed, "frames_the_bounds", json_true());
         json_array_append_new(array, object);
     }

@@ -49,9 +49,9 @@ static void set_map_columns(float map[12], const air_vec3 columns[4])
     }
 }
 
-/* Keeps the viewing direction and the side that is up; drops scale, shear and mirroring. False if
- * these directions are missing or parallel. */
-static bool orthonormalize(float map[12])
+/* Keeps the viewing direction and the side that is up; drops scale, shear and mirroring but for
+ * what is asked for. False if these directions are missing or parallel. */
+static bool orthonormalize(float map[12], bool mirrored)
 {
     const air_vec3 back = map_column(map, 2), up = map_column(map, 1);
     const air_vec3 z =
@@ -63,7 +63,8 @@ static bool orthonormalize(float map[12])
     if (!(vec3_length(across) > 1e-5f))
         return false;
     const air_vec3 unit_x = vec3_normalize(across);
-    const air_vec3 columns[4] = {unit_x, vec3_cross(unit_z, unit_x), unit_z, map_column(map, 3)};
+    const air_vec3 columns[4] = {mirrored ? vec3_neg(unit_x) : unit_x, vec3_cross(unit_z, unit_x),
+                                 unit_z, map_column(map, 3)};
     set_map_columns(map, columns);
     return true;
 }
@@ -134,7 +135,7 @@ air_status air_camera_record_create(air_context *context, const air_camera_desc 
         status = check_film(&subject, &desc->film);
     if (status != AIR_OK)
         return status;
-    if (!orthonormalize(to_world))
+    if (!orthonormalize(to_world, desc->mirrored))
         return air_subject_fail(&subject,
                                 "to_world has no viewing direction, or it is parallel to up");
     air_camera_record *record =
@@ -168,8 +169,8 @@ bool air_camera_equal(const air_camera_desc *a, const air_camera_desc *b)
     const bool size_equal = a->kind == AIR_CAMERA_PERSPECTIVE
                                 ? a->fov_y_rad == b->fov_y_rad && lens_equal(a, b)
                                 : a->half_height == b->half_height;
-    return a->kind == b->kind && size_equal && a->aspect == b->aspect &&
-           film_equal(&a->film, &b->film) &&
+    return a->kind == b->kind && size_equal && a->mirrored == b->mirrored &&
+           a->aspect == b->aspect && film_equal(&a->film, &b->film) &&
            air_bytes_equal(a->to_world, b->to_world, sizeof a->to_world);
 }
 

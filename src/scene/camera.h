@@ -8,7 +8,8 @@
 
 typedef struct air_camera_record {
     air_record base;
-    air_camera_desc desc; /* name is the record's; to_world is orthonormal and right-handed */
+    air_camera_desc
+        desc; /* name is the record's; to_world is orthonormal, and right-handed unless mirrored */
 } air_camera_record;
 
 /* Checks and copies a description. */

@@ -80,7 +80,8 @@ typedef struct air_mesh {
 typedef struct air_camera {
     char *name;
     air_camera_kind kind;
-    float to_world[12]; /* orthonormal */
+    float to_world[12]; /* orthonormal; left-handed if mirrored */
+    bool mirrored;
     float fov_y_rad, half_height, aspect;
     float lens_radius, focus_distance;
     air_film_hint film;

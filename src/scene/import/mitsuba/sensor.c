@@ -123,12 +123,10 @@ air_status air_mitsuba_add_sensor(air_mitsuba *mitsuba, air_xml *at, const char 
         return status;
     const double aspect = (double)desc.film.width / (double)desc.film.height;
     desc.aspect = (float)aspect;
-    if (affine_determinant(desc.to_world) < 0.0)
-        status =
-            air_mitsuba_warn(mitsuba, at, "to_world mirrors the picture, which is shown as it is");
-    if (status == AIR_OK && air_mitsuba_is(at, "orthographic"))
+    desc.mirrored = affine_determinant(desc.to_world) < 0.0;
+    if (air_mitsuba_is(at, "orthographic"))
         set_orthographic(aspect, &desc);
-    else if (status == AIR_OK)
+    else
         status = read_fov(mitsuba, at, aspect, &desc.fov_y_rad);
     if (status == AIR_OK && air_mitsuba_is(at, "thinlens"))
         status = read_lens(mitsuba, at, &desc);
