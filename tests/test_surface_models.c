@@ -187,6 +187,64 @@ static void bumps_tilt_the_normal_against_their_slope(void **state)
     }
 }
 
+/* A unit cylinder of a material, its u once around. */
+static air_snapshot *cylinder_of(air_scene *scene, const air_material_desc *material)
+{
+    air_mesh_desc desc;
+    air_handle mesh;
+    air_mesh_desc_default(&desc);
+    desc.shape = AIR_SHAPE_CYLINDER;
+    assert_int_equal(air_scene_add_material(scene, material, &desc.material), AIR_OK);
+    assert_int_equal(air_scene_add_mesh(scene, &desc, &mesh), AIR_OK);
+    return fixture_commit(scene, NULL);
+}
+
+/* Heights rise by 0.1 after scaling over a quarter of the circumference: the slope is 0.4 / 2 pi.
+ */
+static void bumps_lie_around_a_cylinder(void **state)
+{
+    static const float heights[4] = {0.0f, 0.1f, 0.3f, 0.4f};
+    air_context *context = fixture_context();
+    air_scene *scene = fixture_scene(context);
+    air_material_desc material;
+    (void)state;
+    air_material_desc_default(&material);
+    material.bump_scale = 0.5f;
+    material.bump_texture.texture = add_floats(scene, 4, 1, heights);
+    air_snapshot *snapshot = cylinder_of(scene, &material);
+    const float phi = 0.45f * 2.0f * AIR_PI_F, slope = 0.4f / (2.0f * AIR_PI_F);
+    const air_vec3 radial = vec3(cosf(phi), sinf(phi), 0.0f);
+    const air_vec3 around = vec3(-sinf(phi), cosf(phi), 0.0f);
+    const air_surface s =
+        surface_at(snapshot, vec3_add(radial, vec3(0.0f, 0.0f, 0.5f)), vec3_neg(radial));
+    assert_near(s.bsdf.frame.n, vec3_normalize(vec3_madd(radial, -slope, around)), 1e-5f);
+    air_snapshot_release(snapshot);
+    air_scene_destroy(scene);
+    air_context_destroy(context);
+}
+
+static void anisotropic_facets_lie_around_a_cylinder(void **state)
+{
+    air_context *context = fixture_context();
+    air_scene *scene = fixture_scene(context);
+    air_material_desc metal, blend;
+    (void)state;
+    air_material_desc_default(&metal);
+    metal.model = AIR_MATERIAL_CONDUCTOR;
+    metal.alpha_u = 0.1f;
+    metal.alpha_v = 0.4f;
+    air_material_desc_default(&blend);
+    blend.model = AIR_MATERIAL_BLEND;
+    assert_int_equal(air_scene_add_material(scene, &metal, &blend.blend[0]), AIR_OK);
+    blend.blend[1] = blend.blend[0];
+    air_snapshot *snapshot = cylinder_of(scene, &blend);
+    const air_surface s = surface_at(snapshot, vec3(1.0f, 0.0f, 0.5f), vec3(-1.0f, 0.0f, 0.0f));
+    assert_near(s.bsdf.frame.s, vec3(0.0f, 1.0f, 0.0f), 1e-6f);
+    air_snapshot_release(snapshot);
+    air_scene_destroy(scene);
+    air_context_destroy(context);
+}
+
 static void opacity_textures_scale_the_coverage(void **state)
 {
     air_context *context = fixture_context();
@@ -259,6 +317,8 @@ int main(void)
         cmocka_unit_test(transmission_replaces_the_base),
         cmocka_unit_test(refraction_is_by_the_side_that_is_seen),
         cmocka_unit_test(bumps_tilt_the_normal_against_their_slope),
+        cmocka_unit_test(bumps_lie_around_a_cylinder),
+        cmocka_unit_test(anisotropic_facets_lie_around_a_cylinder),
         cmocka_unit_test(opacity_textures_scale_the_coverage),
         cmocka_unit_test(anisotropic_facets_lie_along_u),
         cmocka_unit_test(impossible_materials_are_refused),

@@ -98,15 +98,22 @@ static void interpolate(const hit_place *place, const float *values, size_t widt
         out[i] = place->b[0] * v0[i] + place->b[1] * v1[i] + place->b[2] * v2[i];
 }
 
-/* RGBA of a slot's texture at the hit. Meshes without these coordinates are at (0, 0); quadrics
- * have the same in both sets. */
-static void sample_slot(const hit_place *place, const air_texture_slot *slot, float out_rgba[4])
+/* A slot's coordinates at the hit. Meshes without these coordinates are at (0, 0); quadrics have
+ * their own. */
+static void find_uv(const hit_place *place, const air_texture_slot *slot, float out_uv[2])
 {
     const bool quadric = place->mesh->quadric != NULL;
     float uv[2] = {quadric ? place->b[1] : 0.0f, quadric ? place->b[2] : 0.0f};
     if (place->mesh->uv[slot->uv_set] != NULL)
         interpolate(place, place->mesh->uv[slot->uv_set], 2, uv);
-    air_texture_slot_uv(slot, uv, uv);
+    air_texture_slot_uv(slot, uv, out_uv);
+}
+
+/* RGBA of a slot's texture at the hit. */
+static void sample_slot(const hit_place *place, const air_texture_slot *slot, float out_rgba[4])
+{
+    float uv[2];
+    find_uv(place, slot, uv);
     air_texture_lookup(slot->texture, uv[0], uv[1], out_rgba);
 }
 
@@ -179,50 +186,70 @@ static air_vec3 shading_normal(const hit_place *place, air_vec3 geometric)
     return vec3_scale(n, side / length);
 }
 
-/* Two ways from a place on the surface, and a texture's coordinates there and at their ends: the
- * triangle's edges, or a quadric's slopes. False if there are no coordinates. */
-static bool texture_edges(const hit_place *place, const air_texture_slot *slot, air_vec3 *e1,
-                          air_vec3 *e2, float at[3][2])
+/* Two ways from a place on the surface, the triangle's edges or a quadric's slopes, and how a
+ * slot's coordinates change along them. */
+typedef struct uv_edges {
+    air_vec3 e1, e2;
+    float u1, v1, u2, v2;
+} uv_edges;
+
+/* False if there are no coordinates. */
+static bool find_uv_edges(const hit_place *place, const air_texture_slot *slot, uv_edges *out)
 {
     const air_mesh *mesh = place->mesh;
     const float *uv = mesh->uv[slot->uv_set];
+    const float u = place->b[1], v = place->b[2];
+    const float corners[3][2] = {{u, v}, {u + 1.0f, v}, {u, v + 1.0f}};
     air_vec3 p[3];
-    if (mesh->quadric != NULL) {
-        const float u = place->b[1], v = place->b[2];
-        const float corners[3][2] = {{u, v}, {u + 1.0f, v}, {u, v + 1.0f}};
-        air_quadric_slopes(mesh->quadric, u, v, e1, e2);
-        for (size_t i = 0; i < 3; ++i)
-            air_texture_slot_uv(slot, corners[i], at[i]);
-        return true;
-    }
-    if (uv == NULL)
+    float at[3][2];
+    if (mesh->quadric == NULL && uv == NULL)
         return false;
     for (size_t i = 0; i < 3; ++i) {
-        p[i] = vec3_load(mesh->positions + 3 * (size_t)place->corners[i]);
-        air_texture_slot_uv(slot, uv + 2 * (size_t)place->corners[i], at[i]);
+        if (mesh->quadric == NULL)
+            p[i] = vec3_load(mesh->positions + 3 * (size_t)place->corners[i]);
+        air_texture_slot_uv(
+            slot, mesh->quadric != NULL ? corners[i] : uv + 2 * (size_t)place->corners[i], at[i]);
     }
-    *e1 = vec3_sub(p[1], p[0]);
-    *e2 = vec3_sub(p[2], p[0]);
+    if (mesh->quadric != NULL) {
+        air_quadric_slopes(mesh->quadric, u, v, &out->e1, &out->e2);
+    } else {
+        out->e1 = vec3_sub(p[1], p[0]);
+        out->e2 = vec3_sub(p[2], p[0]);
+    }
+    out->u1 = at[1][0] - at[0][0];
+    out->v1 = at[1][1] - at[0][1];
+    out->u2 = at[2][0] - at[0][0];
+    out->v2 = at[2][1] - at[0][1];
     return true;
 }
+
+/* dp/du and dp/dv times the area in uv. */
+static air_vec3 along_u(const uv_edges *e)
+{
+    return vec3_sub(vec3_scale(e->e1, e->v2), vec3_scale(e->e2, e->v1));
+}
+
+static air_vec3 along_v(const uv_edges *e)
+{
+    return vec3_sub(vec3_scale(e->e2, e->u1), vec3_scale(e->e1, e->u2));
+}
+
+static float uv_area(const uv_edges *e) { return e->u1 * e->v2 - e->u2 * e->v1; }
 
 /* The directions in which the normal map's coordinates grow, from how its texture lies on the
  * surface; v runs downwards, so the map's y axis is -dp/dv. *sign is that of the bitangent against
  * normal x tangent. */
 static air_vec3 tangent_from_uv(const hit_place *place, air_vec3 normal, float *sign)
 {
-    air_vec3 e1, e2;
-    float at[3][2];
-    if (!texture_edges(place, &place->material->normal_slot, &e1, &e2, at))
+    uv_edges edges;
+    if (!find_uv_edges(place, &place->material->normal_slot, &edges))
         return vec3_set1(0.0f);
-    const float u1 = at[1][0] - at[0][0], v1 = at[1][1] - at[0][1];
-    const float u2 = at[2][0] - at[0][0], v2 = at[2][1] - at[0][1];
-    /* dp/du and -dp/dv times the area in uv, whose sign is put back */
-    const float turn = u1 * v2 - u2 * v1 < 0.0f ? -1.0f : 1.0f;
-    const air_vec3 along_u = vec3_scale(vec3_sub(vec3_scale(e1, v2), vec3_scale(e2, v1)), turn);
-    const air_vec3 against_v = vec3_scale(vec3_sub(vec3_scale(e1, u2), vec3_scale(e2, u1)), turn);
-    *sign = vec3_dot(vec3_cross(normal, along_u), against_v) < 0.0f ? -1.0f : 1.0f;
-    return along_u;
+    /* the sign of the area is put back */
+    const float turn = uv_area(&edges) < 0.0f ? -1.0f : 1.0f;
+    const air_vec3 tangent = vec3_scale(along_u(&edges), turn);
+    const air_vec3 against_v = vec3_scale(along_v(&edges), -turn);
+    *sign = vec3_dot(vec3_cross(normal, tangent), against_v) < 0.0f ? -1.0f : 1.0f;
+    return tangent;
 }
 
 /* Turns the shading normal by the normal map. */
@@ -265,25 +292,16 @@ static air_vec3 mapped_normal(const hit_place *place, air_vec3 normal, air_vec3 
 
 /* ---- bumps ---- */
 
-/* How the position changes with a slot's coordinates; false where they do not span the triangle. */
+/* How the position changes with a slot's coordinates; false where they do not span the surface. */
 static bool uv_derivatives(const hit_place *place, const air_texture_slot *slot, air_vec3 *out_du,
                            air_vec3 *out_dv)
 {
-    const float *uv = place->mesh->uv[slot->uv_set];
-    if (uv == NULL)
+    uv_edges edges;
+    if (!find_uv_edges(place, slot, &edges))
         return false;
-    air_vec3 p[3];
-    float at[3][2];
-    for (size_t i = 0; i < 3; ++i) {
-        p[i] = vec3_load(place->mesh->positions + 3 * (size_t)place->corners[i]);
-        air_texture_slot_uv(slot, uv + 2 * (size_t)place->corners[i], at[i]);
-    }
-    const air_vec3 e1 = vec3_sub(p[1], p[0]), e2 = vec3_sub(p[2], p[0]);
-    const float u1 = at[1][0] - at[0][0], v1 = at[1][1] - at[0][1];
-    const float u2 = at[2][0] - at[0][0], v2 = at[2][1] - at[0][1];
-    const float inverse = 1.0f / (u1 * v2 - u2 * v1);
-    *out_du = vec3_scale(vec3_sub(vec3_scale(e1, v2), vec3_scale(e2, v1)), inverse);
-    *out_dv = vec3_scale(vec3_sub(vec3_scale(e2, u1), vec3_scale(e1, u2)), inverse);
+    const float inverse = 1.0f / uv_area(&edges);
+    *out_du = vec3_scale(along_u(&edges), inverse);
+    *out_dv = vec3_scale(along_v(&edges), inverse);
     return isfinite(inverse);
 }
 
@@ -309,8 +327,7 @@ static air_vec3 bumped_normal(const hit_place *place, air_vec3 normal)
     float uv[2];
     if (!uv_derivatives(place, slot, &du, &dv))
         return normal;
-    interpolate(place, place->mesh->uv[slot->uv_set], 2, uv);
-    air_texture_slot_uv(slot, uv, uv);
+    find_uv(place, slot, uv);
     /* within the surface du and dv lie across the normal; heights raise them along it */
     const float rise_u = scale * height_slope(slot->texture, uv, 0) - vec3_dot(du, normal);
     const float rise_v = scale * height_slope(slot->texture, uv, 1) - vec3_dot(dv, normal);
@@ -325,35 +342,36 @@ static air_vec3 bumped_normal(const hit_place *place, air_vec3 normal)
 
 /* An even number that is the same whenever the same ray meets the same place: what is blended is
  * chosen by it, which on the mean over places gives the blend. */
-static float chance(const hit_place *place, air_vec3 dir, uint32_t purpose)
+static float chance(air_vec3 position, air_vec3 dir, uint32_t purpose)
 {
-    const float keys[5] = {place->b[1], place->b[2], dir.x, dir.y, dir.z};
-    uint32_t hash = purpose + place->corners[0];
+    const float keys[6] = {position.x, position.y, position.z, dir.x, dir.y, dir.z};
+    uint32_t hash = purpose;
     for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
         uint32_t bits;
         memcpy(&bits, &keys[i], sizeof bits);
-        hash = air_hash32(hash ^ bits);
+        hash = air_hash_combine(hash, bits);
     }
     return air_uint_to_float(hash);
 }
 
-static const air_material *blended(const hit_place *place, air_vec3 dir)
+static const air_material *blended(const hit_place *place, air_vec3 position, air_vec3 dir)
 {
     const air_material *material = place->material;
     if (material->model != AIR_MATERIAL_BLEND)
         return material;
     const float second = scaled(place, &material->blend_slot, material->blend_weight);
-    return material->blend[chance(place, dir, 1) < second];
+    return material->blend[chance(position, dir, 1) < second];
 }
 
 /* KHR_materials_transmission: glass instead of the base, by a weight. The glass is chosen by
  * chance; what is left has more metal in it. */
-static void choose_glass(const hit_place *place, air_vec3 dir, air_bsdf_input *input)
+static void choose_glass(const hit_place *place, air_vec3 position, air_vec3 dir,
+                         air_bsdf_input *input)
 {
     const air_material *material = place->material;
     const float share = (1.0f - input->metallic) *
                         scaled(place, &material->transmission_slot, material->transmission);
-    if (chance(place, dir, 2) >= share) {
+    if (chance(position, dir, 2) >= share) {
         input->metallic = float_min(input->metallic / (1.0f - share), 1.0f);
         return;
     }
@@ -432,7 +450,7 @@ void air_surface_make(const air_snapshot *snapshot, const air_hit *hit, air_vec3
     out->emitter =
         mesh->first_emitter == UINT32_MAX ? UINT32_MAX : mesh->first_emitter + hit->triangle;
 
-    const air_material *material = place.material = blended(&place, dir);
+    const air_material *material = place.material = blended(&place, out->position, dir);
     air_bsdf_input input = {.model = material->model,
                             .base_color = material->base_color,
                             .metallic = material->metallic,
@@ -448,7 +466,7 @@ void air_surface_make(const air_snapshot *snapshot, const air_hit *hit, air_vec3
     if (material->model != AIR_MATERIAL_METALLIC_ROUGHNESS)
         set_optics(&place, &input);
     else if (material->transmission > 0.0f)
-        choose_glass(&place, dir, &input);
+        choose_glass(&place, out->position, dir, &input);
     if (material->unlit) {
         /* a picture of itself, from both sides */
         out->emission = input.base_color;
