@@ -1,6 +1,7 @@
 /* Light through glass: against closed forms, and what has to be invisible. */
 #include <stdio.h>
 
+#include "airlight/image.h"
 #include "boundary_meshes.h"
 #include "path_scene.h"
 
@@ -188,6 +189,49 @@ static void mirrors_show_lamps(void **state)
     air_snapshot_release(snapshot);
 }
 
+/* The mean of the picture of a lamp in a mirror. */
+static double mirror_picture(void **state, const air_snapshot *snapshot, const char *methods)
+{
+    air_render_params params;
+    air_film *film;
+    air_image *image;
+    double sum = 0.0;
+    air_render_params_default(&params);
+    params.width = params.height = 4;
+    params.sample_end = 16;
+    params.methods = methods;
+    assert_int_equal(air_render(*state, snapshot, &params, &film), AIR_OK);
+    assert_int_equal(air_film_resolve(film, NULL, &image), AIR_OK);
+    for (int i = 0; i < 16; i++) {
+        sum += (double)air_image_plane(image, 0)[i] / 16.0;
+    }
+    air_image_destroy(image);
+    air_film_destroy(film);
+    return sum;
+}
+
+/* Another method owns the lamp's light on surfaces, but cannot ask a mirror for it. */
+static void mirrors_show_lamps_of_other_methods(void **state)
+{
+    air_scene *scene = path_scene(state);
+    air_material_desc mirror;
+    air_camera_desc camera;
+    air_handle handle;
+    air_material_desc_default(&mirror);
+    mirror.model = AIR_MATERIAL_CONDUCTOR;
+    air_camera_desc_default(&camera); /* looks down from between */
+    const float to_world[12] = {1, 0, 0, 0, 0, 0, 1, 1, 0, -1, 0, 0};
+    memcpy(camera.to_world, to_world, sizeof to_world);
+    assert_int_equal(air_scene_add_camera(scene, &camera, &handle), AIR_OK);
+    add_floor(scene, 0.0f, 5.0f, add_material(scene, &mirror));
+    add_quad(scene, vec3(-9, 3, -9), vec3(18, 0, 0), vec3(0, 0, 18),
+             add_lambert(scene, 0.0f, 2.0f));
+    air_snapshot *snapshot = path_freeze(scene);
+    assert_true(fabs(mirror_picture(state, snapshot, "path") - 2.0) < 1e-5);
+    assert_true(fabs(mirror_picture(state, snapshot, "arealight") - 2.0) < 1e-5);
+    air_snapshot_release(snapshot);
+}
+
 /* ---- no boundary at all ---- */
 
 /* A floor under a lamp and a sky, with a box of fog whose boundary is a mesh of some material, or
@@ -272,6 +316,7 @@ int main(void)
         cmocka_unit_test(absorbing_glass_follows_the_series),
         cmocka_unit_test(panes_pass_what_both_faces_leave),
         cmocka_unit_test(mirrors_show_lamps),
+        cmocka_unit_test(mirrors_show_lamps_of_other_methods),
         cmocka_unit_test(boundaries_of_nothing_change_nothing),
         cmocka_unit_test(an_index_of_nearly_one_bends_nothing),
         cmocka_unit_test(blends_of_blends_are_refused),
