@@ -8,7 +8,7 @@
 typedef struct air_mesh_file {
     float *positions; /* 3 per vertex */
     float *normals;   /* 3 per vertex, of any length; NULL: the file has none */
-    float *uv;        /* 2 per vertex as in the file, v upwards; NULL: the file has none */
+    float *uv;        /* 2 per vertex as in the file (OBJ has v upwards); NULL: it has none */
     float *colors;    /* 4 per vertex, linear; NULL: the file has none */
     size_t vertex_count;
     uint32_t *indices; /* 3 per triangle, below vertex_count */
