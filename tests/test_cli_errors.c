@@ -87,7 +87,7 @@ static void values_out_of_range_are_refused_with_the_range(void **state)
          "from -40 to 40, or auto, got \"bright\""},
         {{"render", "lit.gltf", "--filter", "bx"},
          2,
-         "expected box, point, tent or gaussian, got \"bx\" (did you mean box?)"},
+         "expected box, point, tent, gaussian or mitchell, got \"bx\" (did you mean box?)"},
         {{"render", "lit.gltf", "--terms", "S0,M3"},
          2,
          "--terms: expected S0, S+, M1, M2, emission or background"},
