@@ -112,26 +112,16 @@ enum { RAY_PLAIN = 0, RAY_COLLECTS = 1 };
 
 static void collect_quadric(query_context *context, const air_hit *hit);
 
-/* Embree tests boxes with what is left of distances rounded to floats: a ray may pass beside the
- * box of something small and far away. With a margin of a quarter of the size that begins some
- * millions of sizes away. */
 static void bound_quadric(const struct RTCBoundsFunctionArguments *arguments)
 {
     float low[3], high[3];
     air_quadric_bounds(arguments->geometryUserPtr, low, high);
-    const float size = float_max(high[0] - low[0], float_max(high[1] - low[1], high[2] - low[2]));
-    float margin[3];
-    for (int i = 0; i < 3; i++) {
-        const float far = float_max(fabsf(low[i]), fabsf(high[i]));
-        margin[i] = 0.25f * size + 4.0f * FLT_EPSILON * far;
-    }
-    struct RTCBounds *out = arguments->bounds_o;
-    out->lower_x = low[0] - margin[0];
-    out->lower_y = low[1] - margin[1];
-    out->lower_z = low[2] - margin[2];
-    out->upper_x = high[0] + margin[0];
-    out->upper_y = high[1] + margin[1];
-    out->upper_z = high[2] + margin[2];
+    *arguments->bounds_o = (struct RTCBounds){.lower_x = low[0],
+                                              .lower_y = low[1],
+                                              .lower_z = low[2],
+                                              .upper_x = high[0],
+                                              .upper_y = high[1],
+                                              .upper_z = high[2]};
 }
 
 /* What Embree hands over: N rays, and hits behind them, as rows of N numbers in the order of the
