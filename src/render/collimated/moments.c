@@ -85,6 +85,12 @@ air_status air_collimated_moments_make(const air_with_collimated *with, collimat
     if (lamp->shadows.tree == NULL) {
         return AIR_OK;
     }
+    if (view->lens_radius > 0.0f) {
+        return air_fail(context, AIR_ERROR_UNSUPPORTED,
+                        "collimated: moments follow rays from one point, but the camera's lens has "
+                        "a radius of %g m: expected another mode than me or me6",
+                        (double)view->lens_radius);
+    }
     air_moment_params_default(six ? 6 : 4, &params);
     vec3_store64(params.origin, view->origin);
     memcpy(params.to_light, lamp->to_light, sizeof params.to_light);
