@@ -178,9 +178,16 @@ static void a_change_of_a_quadric_is_noticed_and_nothing_else(void **state)
     desc.shape = AIR_SHAPE_CYLINDER;
     assert_int_equal(air_scene_set_mesh(scene, handle, &desc), AIR_OK);
     assert_true((fixture_dirty(scene) & AIR_DIRTY_GEOMETRY) != 0);
+    air_scene_info info;
+    desc.material = add_lambert(scene, 0.5f, 1.0f);
     desc.flip_normals = true;
     assert_int_equal(air_scene_set_mesh(scene, handle, &desc), AIR_OK);
     air_snapshot *last = fixture_commit(scene, NULL);
+    air_snapshot_info(last, &info);
+    assert_true(info.light_present);
+    assert_int_equal(info.emissive_triangle_count, 0);
+    assert_int_equal(info.triangle_count, 0);
+    assert_int_equal(info.mesh_count, 1);
     assert_true(air_fingerprint_snapshot(first) != air_fingerprint_snapshot(last));
     /* x in [0, 2], z in [0, 1]: within rounding outwards */
     assert_true(fabsf(last->bounds_min[0]) < 1e-6f && fabsf(last->bounds_max[0] - 2.0f) < 1e-6f);

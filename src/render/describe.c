@@ -169,8 +169,8 @@ static json_t *describe_lights(const air_snapshot *snapshot)
     if (table->count > table->explicit_count)
         json_array_append_new(array, json_pack("{s:s, s:s, s:o, s:s}", "name", "emissive meshes",
                                                "kind", "emissive", "triangles",
-                                               integer(table->count - table->explicit_count),
-                                               "units", "W/(m^2 sr)"));
+                                               integer(air_light_triangle_count(table)), "units",
+                                               "W/(m^2 sr)"));
     return array;
 }
 
@@ -341,11 +341,13 @@ static const char *units_name(air_units units)
 
 static json_t *describe(const air_snapshot *snapshot, const air_owner_table *owners)
 {
-    const size_t emissive = snapshot->lights.count - snapshot->lights.explicit_count;
+    const size_t quadrics = air_light_quadric_count(&snapshot->lights);
     json_t *root = json_object();
     json_object_set_new(root, "source", string(snapshot->source));
     json_object_set_new(root, "triangles", integer(snapshot->triangle_count));
-    json_object_set_new(root, "emissive_triangles", integer(emissive));
+    json_object_set_new(root, "emissive_triangles",
+                        integer(air_light_triangle_count(&snapshot->lights)));
+    set_if(root, quadrics > 0, "emissive_quadrics", integer(quadrics));
     json_object_set_new(root, "textures", integer(snapshot->texture_count));
     json_object_set_new(root, "bounds", bounds(snapshot->bounds_min, snapshot->bounds_max));
     json_object_set_new(root, "units",

@@ -375,14 +375,13 @@ static bool has_light(const air_snapshot *snapshot)
 
 void air_snapshot_info(const air_snapshot *snapshot, air_scene_info *out_info)
 {
-    const size_t emissive = snapshot->lights.count - snapshot->lights.explicit_count;
     *out_info =
         (air_scene_info){.triangle_count = snapshot->triangle_count,
                          .mesh_count = snapshot->mesh_count,
                          .material_count = snapshot->material_count - 1,
                          .texture_count = snapshot->texture_count,
                          .light_count = snapshot->lights.explicit_count,
-                         .emissive_triangle_count = emissive,
+                         .emissive_triangle_count = air_light_triangle_count(&snapshot->lights),
                          .medium_count = snapshot->media.count,
                          .camera_count = snapshot->camera_in_file ? snapshot->camera_count : 0,
                          .camera_in_file = snapshot->camera_in_file,

@@ -31,8 +31,9 @@ static inline double air_mesh_triangle_area(const air_mesh *mesh, size_t triangl
     return 0.5 * (double)vec3_length(vec3_cross(a, b));
 }
 
-/* A point of a mesh, seen from the front of its triangle, without its material: weights are those
- * of vertices 1 and 2. normal: the interpolated one, unit. False for a triangle without area. */
+/* A point of a mesh of triangles, seen from the front of its triangle, without its material:
+ * weights are those of vertices 1 and 2. normal: the interpolated one, unit. False for a triangle
+ * without area. */
 typedef struct air_surface_place {
     air_vec3 position, normal, geometric;
     float offset;

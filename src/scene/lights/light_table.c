@@ -6,6 +6,20 @@
 #include "scene/lights/punctual.h"
 #include "scene/lights/quadric_lamp.h"
 
+size_t air_light_quadric_count(const air_light_table *table)
+{
+    size_t count = 0;
+    for (size_t i = table->explicit_count; i < table->count; i++) {
+        count += table->entries[i].quadric != NULL ? 1 : 0;
+    }
+    return count;
+}
+
+size_t air_light_triangle_count(const air_light_table *table)
+{
+    return table->count - table->explicit_count - air_light_quadric_count(table);
+}
+
 void air_light_sample(const air_light_table *table, uint32_t entry, float u1, float u2,
                       air_light_point *out)
 {

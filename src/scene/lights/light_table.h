@@ -96,6 +96,10 @@ static inline bool air_light_is_placed(const air_light *light)
            light->kind == AIR_LIGHT_PROJECTOR;
 }
 
+/* Emissive triangles of meshes; and emissive spheres, cylinders and disks. */
+size_t air_light_triangle_count(const air_light_table *table);
+size_t air_light_quadric_count(const air_light_table *table);
+
 /* Chooses an entry by power; *out_u is u rescaled to [0,1) within it. The table must not be empty.
  */
 uint32_t air_light_pick(const air_light_table *table, float u, float *out_probability,
