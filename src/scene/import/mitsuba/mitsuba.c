@@ -140,7 +140,7 @@ static air_status collect(air_mitsuba *mitsuba, air_xml *at)
     const char *nearest = air_nearest_name(at->tag, tags, sizeof tags / sizeof *tags);
     if (nearest != NULL && !mitsuba->import->params->lenient)
         return air_mitsuba_fail(mitsuba, at, AIR_ERROR_UNSUPPORTED,
-                                "unknown element; did you mean <%s>? --lenient leaves it out",
+                                "unknown element, did you mean <%s>? (--lenient: it is left out)",
                                 nearest);
     return air_mitsuba_replace(mitsuba, at, "unknown element", "it is left out");
 }

@@ -36,9 +36,9 @@ air_status air_mitsuba_replace(const air_mitsuba *mitsuba, const air_xml *at, co
                                const char *instead)
 {
     if (mitsuba->import->params->lenient)
-        return air_mitsuba_warn(mitsuba, at, "%s; %s instead", what, instead);
-    return air_mitsuba_fail(mitsuba, at, AIR_ERROR_UNSUPPORTED, "%s; --lenient takes %s instead",
-                            what, instead);
+        return air_mitsuba_warn(mitsuba, at, "%s: %s", what, instead);
+    return air_mitsuba_fail(mitsuba, at, AIR_ERROR_UNSUPPORTED, "%s (--lenient: %s)", what,
+                            instead);
 }
 
 air_status air_mitsuba_unknown_type(const air_mitsuba *mitsuba, const air_xml *at,
@@ -47,7 +47,7 @@ air_status air_mitsuba_unknown_type(const air_mitsuba *mitsuba, const air_xml *a
     char what[256];
     const char *type = air_mitsuba_type(at), *nearest = air_nearest_name(type, types, count);
     if (nearest != NULL && strcmp(nearest, type) != 0)
-        snprintf(what, sizeof what, "the %.40s \"%.60s\" is not supported; did you mean \"%s\"?",
+        snprintf(what, sizeof what, "the %.40s \"%.60s\" is not supported, did you mean \"%s\"?",
                  at->tag, type, nearest);
     else
         snprintf(what, sizeof what, "the %.40s \"%.60s\" is not supported", at->tag, type);
