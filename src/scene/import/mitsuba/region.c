@@ -14,7 +14,7 @@ static void drop_region(air_mitsuba *mitsuba)
     mitsuba->regions = mitsuba->regions->next;
 }
 
-/* A region without a boundary: medium NULL is nothing at all. */
+/* A region without a boundary: medium NULL is nothing at all, and has the shape's name. */
 static air_status add_region(air_mitsuba *mitsuba, const air_xml *shape, air_xml *medium,
                              air_mitsuba_region **out)
 {
@@ -87,7 +87,6 @@ static air_status set_boundary(air_mitsuba *mitsuba, const air_mitsuba_geometry 
     return AIR_OK;
 }
 
-/* A grid ends with its box. */
 static air_status refuse_open(air_mitsuba *mitsuba, const air_xml *shape)
 {
     return air_mitsuba_replace(mitsuba, shape,
