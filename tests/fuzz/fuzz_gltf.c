@@ -14,6 +14,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fuzz_files files = {.files = {{"input.gltf", data, size}, {".bin", buffer, sizeof buffer}},
                         .count = 2};
     air_load_params_default(&load);
-    fuzz_load_scene(&files, &load);
+    fuzz_load_scene(&files, "input.gltf", &load);
     return 0;
 }

@@ -23,10 +23,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     air_load_params_default(&load);
     load.media = media;
     load.media_count = 1;
-    fuzz_load_scene(&files, &load);
+    fuzz_load_scene(&files, "input.gltf", &load);
     load.media_count = 0;
     load.environment = text;
-    fuzz_load_scene(&files, &load);
+    fuzz_load_scene(&files, "input.gltf", &load);
     free(text);
     return 0;
 }

@@ -52,8 +52,8 @@ static inline size_t fuzz_intersect_all(const void *accelerator, const air_ray *
     return 0;
 }
 
-/* Loads "input.gltf" of these files and freezes what came of it. */
-static inline void fuzz_load_scene(fuzz_files *files, const air_load_params *load)
+/* Loads a scene of these files and freezes what came of it. */
+static inline void fuzz_load_scene(fuzz_files *files, const char *path, const air_load_params *load)
 {
     const air_ray_backend backend = {.build = fuzz_build,
                                      .destroy = fuzz_destroy,
@@ -65,7 +65,7 @@ static inline void fuzz_load_scene(fuzz_files *files, const air_load_params *loa
     air_snapshot *snapshot = NULL;
     if (context == NULL)
         return;
-    const air_status status = air_scene_load(context, "input.gltf", load, &scene);
+    const air_status status = air_scene_load(context, path, load, &scene);
     fuzz_check_outcome(context, status, scene);
     if (scene != NULL)
         (void)air_scene_commit(scene, &snapshot, NULL);

@@ -41,6 +41,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     air_load_params_default(&load);
     load.with = with;
     load.with_count = 1;
-    fuzz_load_scene(&files, &load);
+    fuzz_load_scene(&files, "input.gltf", &load);
     return 0;
 }

@@ -27,6 +27,7 @@ nvdb) endings='nvdb' ;;
 hdr) endings='hdr' ;;
 image) endings='exr png ktx2' ;;
 obj | ply | serialized) endings=$name ;;
+mitsuba) endings='xml' ;;
 *) endings='' ;;
 esac
 for ending in $endings; do

@@ -8,7 +8,7 @@
 #include "scene/import/resource.h"
 
 /* Files that include files that include files. */
-enum { INCLUDE_DEPTH = 16 };
+enum { INCLUDE_DEPTH = 16, INCLUDES = 1000 };
 
 /* A file that is being read, within those that include it. */
 typedef struct air_mitsuba_source {
@@ -297,6 +297,9 @@ static air_status include(air_mitsuba *mitsuba, air_xml *at, const air_mitsuba_s
     if (inner.depth > INCLUDE_DEPTH)
         return air_mitsuba_fail(mitsuba, at, AIR_ERROR_UNSUPPORTED,
                                 "files include each other more than %d deep", INCLUDE_DEPTH);
+    if (++mitsuba->include_count > INCLUDES)
+        return air_mitsuba_fail(mitsuba, at, AIR_ERROR_UNSUPPORTED,
+                                "more than %d files are included", INCLUDES);
     air_status status = air_mitsuba_file(mitsuba, at, name, &path);
     for (const air_mitsuba_source *i = source; i != NULL && status == AIR_OK; i = i->outer)
         if (strcmp(i->path, path) == 0)

@@ -50,7 +50,7 @@ typedef struct air_mitsuba {
     air_xml **named;    /* elements with an id */
     size_t named_count, named_capacity;
     const char *folders[AIR_MITSUBA_FOLDERS]; /* of <path>, with their final slash */
-    size_t folder_count;
+    size_t folder_count, include_count;
     air_mitsuba_item *items;
     size_t item_count, item_capacity;
     air_mitsuba_made *made;
