@@ -20,6 +20,20 @@ static void diffuse_surfaces_are_lambertian(void **state)
     assert_floats(mitsuba_material(self, 2)->base_color, 3, (const float[]){.5f, .5f, .5f});
 }
 
+/* Mitsuba's opaque surfaces are black from behind, unless they are told to have two sides. */
+static void surfaces_have_a_side(void **state)
+{
+    import_fixture *self = *state;
+    mitsuba_loads(self, "3.0.0",
+                  CUBE("<bsdf type='diffuse'/>") CUBE("<bsdf type='conductor'/>")
+                      CUBE("<bsdf type='dielectric'/>")
+                          CUBE("<bsdf type='twosided'><bsdf type='plastic' id='p'/></bsdf>")
+                              CUBE("<ref id='p'/>"));
+    const bool one_sided[] = {true, true, false, false, true};
+    for (size_t i = 0; i < 5; ++i)
+        assert_true(mitsuba_material(self, i)->one_sided == one_sided[i]);
+}
+
 static void interfaces_have_their_indices(void **state)
 {
     import_fixture *self = *state;
@@ -225,6 +239,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(diffuse_surfaces_are_lambertian, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(surfaces_have_a_side, set_up, tear_down),
         cmocka_unit_test_setup_teardown(interfaces_have_their_indices, set_up, tear_down),
         cmocka_unit_test_setup_teardown(metals_have_their_defaults, set_up, tear_down),
         cmocka_unit_test_setup_teardown(surfaces_around_others_add_to_them, set_up, tear_down),

@@ -329,6 +329,31 @@ static void environments_keep_mitsubas_directions(void **state)
     }
 }
 
+/* A picture of 2 x 1 from (0,0,5) towards the origin. A sensor in its place would have +X to the
+ * right; over all of its width there are 60 degrees. */
+static void projectors_throw_their_picture(void **state)
+{
+    import_fixture *self = *state;
+    static uint8_t pfm[64];
+    const char *header = "PF\n2 1\n-1.0\n";
+    const float texels[6] = {1, 1, 1, 3, 3, 3};
+    memcpy(pfm, header, strlen(header));
+    memcpy(pfm + strlen(header), texels, sizeof texels);
+    import_serve(self, "scenes/slide.pfm", pfm, strlen(header) + sizeof texels);
+    mitsuba_loads(self, "3.0.0",
+                  "<emitter type='projector'><texture name='irradiance' type='bitmap'>"
+                  "<string name='filename' value='slide.pfm'/></texture>"
+                  "<float name='scale' value='2'/><float name='fov' value='60'/>"
+                  "<transform name='to_world'><lookat origin='0 0 5' target='0 0 0' up='0 1 0'/>"
+                  "</transform></emitter>");
+    const air_light_desc *desc = mitsuba_light(self, 0);
+    assert_int_equal(desc->kind, AIR_LIGHT_PROJECTOR);
+    assert_floats(desc->color, 1, (const float[]){2.0f * AIR_PI_F});
+    assert_floats(&desc->fov_x_rad, 1, (const float[]){60.0f * RADIAN});
+    assert_floats(desc->position, 3, (const float[]){0, 0, 5});
+    assert_floats(desc->to_world, 9, (const float[]){1, 0, 0, 0, 1, 0, 0, 0, 1});
+}
+
 static void skies_have_a_sun(void **state)
 {
     import_fixture *self = *state;
@@ -363,6 +388,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(lights_shine_where_they_say, set_up, tear_down),
         cmocka_unit_test_setup_teardown(windows_send_beams, set_up, tear_down),
         cmocka_unit_test_setup_teardown(environments_keep_mitsubas_directions, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(projectors_throw_their_picture, set_up, tear_down),
         cmocka_unit_test_setup_teardown(skies_have_a_sun, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

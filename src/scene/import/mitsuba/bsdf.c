@@ -5,9 +5,10 @@
 
 /* ---- surfaces ---- */
 
-static void set_lambert(float reflectance, air_material_desc *desc)
+static void set_lambert(const air_mitsuba *mitsuba, float reflectance, air_material_desc *desc)
 {
     desc->model = AIR_MATERIAL_METALLIC_ROUGHNESS;
+    desc->one_sided = !mitsuba->both_sides;
     desc->specular = 0.0f; /* with metallic 0 a pure Lambert surface */
     desc->base_color[0] = desc->base_color[1] = desc->base_color[2] = reflectance;
 }
@@ -16,7 +17,7 @@ static void set_lambert(float reflectance, air_material_desc *desc)
 static air_status read_diffuse(air_mitsuba *mitsuba, air_xml *at, air_material_desc *desc)
 {
     const char *name = air_mitsuba_has(at, "reflectance") ? "reflectance" : "diffuse_reflectance";
-    set_lambert(0.5f, desc);
+    set_lambert(mitsuba, 0.5f, desc);
     return air_mitsuba_textured(mitsuba, at, name, AIR_MITSUBA_REFLECTANCE, desc->base_color,
                                 &desc->base_color_texture);
 }
@@ -30,7 +31,7 @@ static air_status replace_bsdf(air_mitsuba *mitsuba, air_xml *at, air_material_d
         "mask",      "bumpmap",        "normalmap",  "blendbsdf"};
     air_status status = air_mitsuba_unknown_type(mitsuba, at, types, sizeof types / sizeof *types,
                                                  "a diffuse surface of its colour is taken");
-    set_lambert(0.5f, desc);
+    set_lambert(mitsuba, 0.5f, desc);
     if (status == AIR_OK && air_mitsuba_has(at, "base_color"))
         status = air_mitsuba_textured(mitsuba, at, "base_color", AIR_MITSUBA_REFLECTANCE,
                                       desc->base_color, &desc->base_color_texture);
@@ -51,7 +52,7 @@ static air_status nested(const air_mitsuba *mitsuba, const air_xml *at, air_xml 
     return status;
 }
 
-/* Surfaces reflect on both sides anyway. */
+/* What reflects only in front does so behind, too. */
 static air_status read_twosided(air_mitsuba *mitsuba, air_xml *at, air_material_desc *desc)
 {
     static const char *const ignored[] = {"allow_transmission"};
@@ -65,7 +66,13 @@ static air_status read_twosided(air_mitsuba *mitsuba, air_xml *at, air_material_
     if (status == AIR_OK && back != NULL && back != front)
         status = air_mitsuba_replace(mitsuba, at, "sides that differ are not supported",
                                      "the first one is taken for both");
-    return status == AIR_OK ? air_mitsuba_read_bsdf(mitsuba, front, desc) : status;
+    if (status != AIR_OK)
+        return status;
+    const bool outer = mitsuba->both_sides;
+    mitsuba->both_sides = true;
+    status = air_mitsuba_read_bsdf(mitsuba, front, desc);
+    mitsuba->both_sides = outer;
+    return status;
 }
 
 static air_status read_mask(air_mitsuba *mitsuba, air_xml *at, air_material_desc *desc)
@@ -117,7 +124,8 @@ static air_status read_relief(air_mitsuba *mitsuba, air_xml *at, air_material_de
 static air_status add_part(air_mitsuba *mitsuba, air_xml *at, air_handle *out_handle)
 {
     air_material_desc desc;
-    const air_mitsuba_made *made = air_mitsuba_find_made(mitsuba, at, NULL);
+    const air_xml *with = mitsuba->both_sides ? at : NULL;
+    const air_mitsuba_made *made = air_mitsuba_find_made(mitsuba, at, with);
     if (made != NULL) {
         *out_handle = made->handle;
         return AIR_OK;
@@ -133,7 +141,7 @@ static air_status add_part(air_mitsuba *mitsuba, air_xml *at, air_handle *out_ha
         if (status != AIR_OK)
             status = air_xml_place_error(&mitsuba->document, at, status);
     }
-    if (status == AIR_OK && air_mitsuba_note_made(mitsuba, at, NULL, *out_handle) == NULL)
+    if (status == AIR_OK && air_mitsuba_note_made(mitsuba, at, with, *out_handle) == NULL)
         status = AIR_ERROR_MEMORY;
     return status;
 }
@@ -192,10 +200,11 @@ air_status air_mitsuba_read_bsdf(air_mitsuba *mitsuba, air_xml *at, air_material
 /* ---- shapes ---- */
 
 /* A shape without a bsdf: a lamp is black; where there is a medium, version 0.x lets rays pass. */
-static void set_bare(const air_xml *shape, bool emits, air_material_desc *desc)
+static void set_bare(const air_mitsuba *mitsuba, const air_xml *shape, bool emits,
+                     air_material_desc *desc)
 {
     const bool medium = air_mitsuba_has(shape, "interior") || air_mitsuba_has(shape, "exterior");
-    set_lambert(emits ? 0.0f : 0.5f, desc);
+    set_lambert(mitsuba, emits ? 0.0f : 0.5f, desc);
     if (medium && !emits && air_mitsuba_is_old(shape))
         desc->model = AIR_MATERIAL_NULL;
 }
@@ -231,7 +240,7 @@ static air_status make_material(air_mitsuba *mitsuba, air_xml *shape, air_xml *b
     if (bsdf != NULL)
         status = air_mitsuba_read_bsdf(mitsuba, bsdf, &desc);
     else
-        set_bare(shape, emitter != NULL, &desc);
+        set_bare(mitsuba, shape, emitter != NULL, &desc);
     if (status == AIR_OK && emitter != NULL)
         status = read_emission(mitsuba, emitter, &desc);
     if (status != AIR_OK)

@@ -3,6 +3,8 @@
 
 #include "core/vec.h"
 #include "scene/import/mitsuba/mitsuba.h"
+#include "scene/scene.h"
+#include "scene/texture.h"
 
 static const float identity[12] = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f,
                                    0.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f};
@@ -33,7 +35,7 @@ static air_status read_place(const air_mitsuba *mitsuba, const air_xml *at, air_
     return status;
 }
 
-static air_status read_point(const air_mitsuba *mitsuba, const air_xml *at, air_light_desc *desc)
+static air_status read_point(air_mitsuba *mitsuba, const air_xml *at, air_light_desc *desc)
 {
     desc->kind = AIR_LIGHT_POINT;
     air_status status = read_place(mitsuba, at, desc);
@@ -44,7 +46,7 @@ static air_status read_point(const air_mitsuba *mitsuba, const air_xml *at, air_
 
 /* The intensity is whole up to the beam's width and falls off linearly in the angle; both angles
  * are those between the axis and the cone. */
-static air_status read_spot(const air_mitsuba *mitsuba, const air_xml *at, air_light_desc *desc)
+static air_status read_spot(air_mitsuba *mitsuba, const air_xml *at, air_light_desc *desc)
 {
     const double radian = AIR_PI / 180.0;
     float cutoff = 20.0f;
@@ -73,8 +75,7 @@ static air_status read_spot(const air_mitsuba *mitsuba, const air_xml *at, air_l
     return status;
 }
 
-static air_status read_directional(const air_mitsuba *mitsuba, const air_xml *at,
-                                   air_light_desc *desc)
+static air_status read_directional(air_mitsuba *mitsuba, const air_xml *at, air_light_desc *desc)
 {
     desc->kind = AIR_LIGHT_COLLIMATED;
     air_status status = read_place(mitsuba, at, desc);
@@ -114,7 +115,7 @@ static air_status read_rotation(const air_mitsuba *mitsuba, const air_xml *at, f
     return AIR_OK;
 }
 
-static air_status read_envmap(const air_mitsuba *mitsuba, const air_xml *at, air_light_desc *desc)
+static air_status read_envmap(air_mitsuba *mitsuba, const air_xml *at, air_light_desc *desc)
 {
     static const char *const ignored[] = {"cache", "mis_compensation", "gamma"};
     const char *name = NULL;
@@ -140,7 +141,7 @@ static air_status read_envmap(const air_mitsuba *mitsuba, const air_xml *at, air
 }
 
 /* The same from everywhere; to_world would turn nothing. */
-static air_status read_constant(const air_mitsuba *mitsuba, const air_xml *at, air_light_desc *desc)
+static air_status read_constant(air_mitsuba *mitsuba, const air_xml *at, air_light_desc *desc)
 {
     static const char *const ignored[] = {"to_world"};
     desc->kind = AIR_LIGHT_ENVIRONMENT;
@@ -148,7 +149,49 @@ static air_status read_constant(const air_mitsuba *mitsuba, const air_xml *at, a
     return read_quantity(mitsuba, at, "radiance", desc);
 }
 
-typedef air_status (*air_mitsuba_light_reader)(const air_mitsuba *mitsuba, const air_xml *at,
+/* Width over height of a projector's picture, 1 without. */
+static double picture_aspect(const air_mitsuba *mitsuba, air_handle image)
+{
+    const air_slot_list *list = &mitsuba->import->scene->lists[AIR_OBJECT_TEXTURE];
+    const size_t index = air_slot_find(list, image);
+    if (index == SIZE_MAX)
+        return 1.0;
+    const air_texture *texture = &((const air_texture_record *)list->slots[index].record)->texture;
+    return (double)texture->width / (double)texture->height;
+}
+
+/* Irradiance on a screen at distance 1 times pi over the cosine's cube is the intensity; the
+ * picture lies as that of a sensor [Mitsuba3, projector]. */
+static air_status read_projector(air_mitsuba *mitsuba, const air_xml *at, air_light_desc *desc)
+{
+    static const float plain[6] = {1, 0, 0, 0, 1, 0};
+    float scale = 1.0f;
+    double tangent = 0.0;
+    air_texture_ref ref;
+    desc->kind = AIR_LIGHT_PROJECTOR;
+    desc->color[0] = desc->color[1] = desc->color[2] = 1.0f;
+    air_status status =
+        air_mitsuba_textured(mitsuba, at, "irradiance", AIR_MITSUBA_EMISSION, desc->color, &ref);
+    if (status == AIR_OK && memcmp(ref.uv_transform, plain, sizeof plain) != 0)
+        status = air_mitsuba_replace(mitsuba, at, "a picture with a to_uv is not supported",
+                                     "it is shown as it is");
+    if (status == AIR_OK)
+        status = air_mitsuba_float(mitsuba, at, "scale", &scale);
+    if (status == AIR_OK)
+        status = read_place(mitsuba, at, desc);
+    if (status == AIR_OK)
+        status = read_rotation(mitsuba, at, desc->to_world);
+    const double aspect = picture_aspect(mitsuba, ref.texture);
+    if (status == AIR_OK)
+        status = air_mitsuba_read_fov(mitsuba, at, aspect, &tangent);
+    desc->image = ref.texture;
+    desc->fov_x_rad = (float)(2.0 * atan(tangent * aspect));
+    for (size_t i = 0; i < 3; ++i)
+        desc->color[i] *= AIR_PI_F * scale * mitsuba->light_scale;
+    return status;
+}
+
+typedef air_status (*air_mitsuba_light_reader)(air_mitsuba *mitsuba, const air_xml *at,
                                                air_light_desc *desc);
 
 static const struct {
@@ -159,6 +202,7 @@ static const struct {
                {"envmap", read_envmap},
                {"directional", read_directional},
                {"constant", read_constant},
+               {"projector", read_projector},
                {"sunsky", NULL},
                {"sky", NULL},
                {"sun", NULL}};

@@ -183,6 +183,8 @@ air_status air_mitsuba_read_interface(air_mitsuba *mitsuba, air_xml *at, air_mat
     while (!air_mitsuba_is(at, interfaces[i].type))
         ++i;
     desc->model = interfaces[i].model;
+    desc->one_sided = !mitsuba->both_sides && (desc->model == AIR_MATERIAL_CONDUCTOR ||
+                                               desc->model == AIR_MATERIAL_PLASTIC);
     for (size_t c = 0; c < 3; ++c)
         desc->reflectance[c] = desc->transmittance[c] = 1.0f;
     air_status status = air_mitsuba_color(mitsuba, at, "specular_reflectance",

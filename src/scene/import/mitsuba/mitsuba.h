@@ -57,6 +57,7 @@ typedef struct air_mitsuba {
     air_mitsuba_region *regions;       /* the last one first */
     const air_xml *sensor;             /* the first one, NULL: none */
     size_t nesting;                    /* of what is being read: references may go in circles */
+    bool both_sides;                   /* what is being read is within <bsdf type="twosided"> */
     float light_scale, emission_scale; /* from the file's units to radiometric ones */
 } air_mitsuba;
 
@@ -166,6 +167,9 @@ void air_mitsuba_leave(air_mitsuba *mitsuba);
 /* ---- sensor.c, film.c ---- */
 
 air_status air_mitsuba_add_sensor(air_mitsuba *mitsuba, air_xml *at, const char *name);
+/* The tangent of half the angle that the picture's height fills; aspect: width over height. */
+air_status air_mitsuba_read_fov(const air_mitsuba *mitsuba, const air_xml *at, double aspect,
+                                double *out_tangent);
 /* Size, crop, filter and samples of a sensor. */
 air_status air_mitsuba_read_film(const air_mitsuba *mitsuba, const air_xml *sensor,
                                  air_film_hint *film);

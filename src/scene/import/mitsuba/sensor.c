@@ -27,9 +27,8 @@ static air_status read_focal_length(const air_mitsuba *mitsuba, const air_xml *a
     return AIR_OK;
 }
 
-/* aspect: width over height. */
-static air_status read_fov(const air_mitsuba *mitsuba, const air_xml *at, double aspect,
-                           float *out_fov_y)
+air_status air_mitsuba_read_fov(const air_mitsuba *mitsuba, const air_xml *at, double aspect,
+                                double *out_tangent)
 {
     static const char *const axes[] = {"x", "y", "diagonal", "smaller", "larger"};
     size_t axis = FOV_X;
@@ -56,7 +55,7 @@ static air_status read_fov(const air_mitsuba *mitsuba, const air_xml *at, double
         tangent /= aspect;
     if (axis == FOV_DIAGONAL)
         tangent /= sqrt(1.0 + aspect * aspect);
-    *out_fov_y = (float)(2.0 * atan(tangent));
+    *out_tangent = tangent;
     return status;
 }
 
@@ -122,12 +121,15 @@ air_status air_mitsuba_add_sensor(air_mitsuba *mitsuba, air_xml *at, const char 
     if (status != AIR_OK)
         return status;
     const double aspect = (double)desc.film.width / (double)desc.film.height;
+    double tangent = 0.0;
     desc.aspect = (float)aspect;
     desc.mirrored = affine_determinant(desc.to_world) < 0.0;
     if (air_mitsuba_is(at, "orthographic"))
         set_orthographic(aspect, &desc);
     else
-        status = read_fov(mitsuba, at, aspect, &desc.fov_y_rad);
+        status = air_mitsuba_read_fov(mitsuba, at, aspect, &tangent);
+    if (desc.kind == AIR_CAMERA_PERSPECTIVE)
+        desc.fov_y_rad = (float)(2.0 * atan(tangent));
     if (status == AIR_OK && air_mitsuba_is(at, "thinlens"))
         status = read_lens(mitsuba, at, &desc);
     turn_about_y(desc.to_world);
