@@ -20,6 +20,34 @@ static void sensors_look_at_their_target(void **state)
     assert_floats(m, 12, (const float[]){0, 0, -1, 1, -1, 0, 0, 2, 0, 1, 0, 3});
 }
 
+/* What a sensor with x scaled by -1 has to its left, an unmirrored one has to its right: rays
+ * through pixels as far from either edge are the same. */
+static void mirrored_sensors_mirror(void **state)
+{
+    import_fixture *self = *state;
+    const char *scale[] = {"", "<scale x='-1'/>"};
+    air_vec3 dirs[2], origin;
+    for (size_t i = 0; i < 2; ++i) {
+        char inside[400];
+        snprintf(inside, sizeof inside,
+                 "<sensor type='perspective'><transform name='to_world'>%s"
+                 "<lookat origin='1 2 3' target='4 6 8' up='0 1 0'/></transform></sensor>",
+                 scale[i]);
+        mitsuba_loads(self, "3.0.0", inside);
+        assert_int_equal(air_scene_commit(self->scene, &self->snapshot, NULL), AIR_OK);
+        air_camera_ray(&self->snapshot->cameras[0], 64, 48, i == 0 ? 10.0f : 54.0f, 7.0f, &origin,
+                       &dirs[i]);
+        assert_true(mitsuba_camera(self, 0)->mirrored == (i == 1));
+        /* and again through the description of the snapshot */
+        air_camera_desc desc;
+        assert_int_equal(air_snapshot_camera_desc(self->snapshot, AIR_NONE, &desc), AIR_OK);
+        air_handle handle = AIR_NONE;
+        assert_int_equal(air_scene_add_camera(self->scene, &desc, &handle), AIR_OK);
+        assert_floats(mitsuba_camera(self, 1)->to_world, 12, mitsuba_camera(self, 0)->to_world);
+    }
+    assert_true(vec3_length(vec3_sub(dirs[0], dirs[1])) < 1e-6f);
+}
+
 /* tan(fov_y / 2) of 39.3077 degrees across 800 x 600: by the definition of each axis. */
 static void fields_of_view_are_those_of_their_axis(void **state)
 {
@@ -374,6 +402,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(sensors_look_at_their_target, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(mirrored_sensors_mirror, set_up, tear_down),
         cmocka_unit_test_setup_teardown(fields_of_view_are_those_of_their_axis, set_up, tear_down),
         cmocka_unit_test_setup_teardown(films_are_kept, set_up, tear_down),
         cmocka_unit_test_setup_teardown(orthographic_sensors_see_their_scale, set_up, tear_down),
