@@ -247,6 +247,21 @@ static void meshes_come_from_files(void **state)
                     "line 2: <shape type=\"obj\">: expected the parameter filename");
 }
 
+/* A file whose normals point to the back of its triangle: its front is where they point. */
+static void normals_say_where_the_front_is(void **state)
+{
+    import_fixture *self = *state;
+    const char *obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1//1 2//1 3//1\n";
+    import_serve(self, "scenes/a.obj", obj, strlen(obj));
+    mitsuba_loads(self, "3.0.0",
+                  "<shape type='obj'><string name='filename' value='a.obj'/></shape>");
+    const air_geometry *mesh = mitsuba_mesh(self, 0)->geometry;
+    air_vec3 p[3];
+    for (size_t i = 0; i < 3; ++i)
+        p[i] = vec3_load(mesh->positions + 3 * (size_t)mesh->indices[i]);
+    assert_true(vec3_cross(vec3_sub(p[1], p[0]), vec3_sub(p[2], p[0])).z < 0.0f);
+}
+
 static void instances_are_copies(void **state)
 {
     import_fixture *self = *state;
@@ -412,6 +427,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(rectangles_have_their_coordinates, set_up, tear_down),
         cmocka_unit_test_setup_teardown(quadrics_lie_where_they_say, set_up, tear_down),
         cmocka_unit_test_setup_teardown(meshes_come_from_files, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(normals_say_where_the_front_is, set_up, tear_down),
         cmocka_unit_test_setup_teardown(instances_are_copies, set_up, tear_down),
         cmocka_unit_test_setup_teardown(sidecars_name_shapes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(lights_shine_where_they_say, set_up, tear_down),

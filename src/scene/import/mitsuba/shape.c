@@ -144,17 +144,36 @@ static air_status read_cylinder(const air_mitsuba *mitsuba, const air_xml *at, f
 
 /* ---- meshes ---- */
 
+static void turn_over(uint32_t corners[3])
+{
+    const uint32_t second = corners[1];
+    corners[1] = corners[2];
+    corners[2] = second;
+}
+
 /* Turns triangles and their normals over. */
 static void flip_mesh(air_mesh_file *mesh)
 {
-    for (size_t t = 0; t < mesh->triangle_count; ++t) {
-        uint32_t *corner = mesh->indices + 3 * t;
-        const uint32_t second = corner[1];
-        corner[1] = corner[2];
-        corner[2] = second;
-    }
+    for (size_t t = 0; t < mesh->triangle_count; ++t)
+        turn_over(mesh->indices + 3 * t);
     for (size_t i = 0; mesh->normals != NULL && i < 3 * mesh->vertex_count; ++i)
         mesh->normals[i] = -mesh->normals[i];
+}
+
+/* The front of a surface is where its normals point; ours is where triangles run
+ * counter-clockwise. */
+static void orient_triangles(air_mesh_file *mesh)
+{
+    for (size_t t = 0; mesh->normals != NULL && t < mesh->triangle_count; ++t) {
+        uint32_t *corners = mesh->indices + 3 * t;
+        air_vec3 p[3], normal = vec3_set1(0.0f);
+        for (size_t i = 0; i < 3; ++i) {
+            p[i] = vec3_load(mesh->positions + 3 * (size_t)corners[i]);
+            normal = vec3_add(normal, vec3_load(mesh->normals + 3 * (size_t)corners[i]));
+        }
+        if (vec3_dot(vec3_cross(vec3_sub(p[1], p[0]), vec3_sub(p[2], p[0])), normal) < 0.0f)
+            turn_over(corners);
+    }
 }
 
 static air_status read_mesh_file(const air_mitsuba *mitsuba, const air_xml *at,
@@ -318,13 +337,15 @@ air_status air_mitsuba_add_shape(air_mitsuba *mitsuba, const air_import_object *
         status = air_mitsuba_material(mitsuba, item->at, &material, &clear);
     if (status == AIR_OK)
         status = find_collimated(mitsuba, item->at, &collimated);
+    if (status == AIR_OK)
+        status = air_mitsuba_note_region(mitsuba, item, &geometry, clear);
+    if (status == AIR_OK)
+        orient_triangles(&geometry.mesh);
     if (status == AIR_OK && material != AIR_NONE &&
         (geometry.shape != AIR_SHAPE_TRIANGLES || geometry.mesh.triangle_count > 0))
         status = add_mesh(mitsuba, object, &geometry, material, collimated == NULL);
     if (status == AIR_OK && collimated != NULL)
         status = air_mitsuba_add_collimated(mitsuba, collimated, item->at, &geometry, object->name);
-    if (status == AIR_OK)
-        status = air_mitsuba_note_region(mitsuba, item, &geometry, clear);
     air_mitsuba_geometry_finish(mitsuba->context, &geometry);
     return status;
 }
