@@ -321,6 +321,30 @@ static void lights_shine_where_they_say(void **state)
     assert_floats(mitsuba_light(self, 4)->color, 3, (const float[]){0.5f, 0.5f, 0.5f});
 }
 
+/* What is 1 at all wavelengths is white as a reflectance, and has luminance 1 as a light; 6500 K is
+ * redder than 10000 K. */
+static void colours_come_in_all_forms(void **state)
+{
+    import_fixture *self = *state;
+    mitsuba_loads(
+        self, "0.6.0",
+        "<emitter type='point'><spectrum name='intensity' value='300:1, 900:1'/></emitter>"
+        "<emitter type='point'><blackbody name='intensity' temperature='6500K'/></emitter>"
+        "<emitter type='point'><blackbody name='intensity' temperature='10000' "
+        "scale='2'/></emitter>"
+        "<emitter type='point'><srgb name='intensity' value='1, 0.5, 0.04045'/></emitter>"
+        "<shape type='cube'><bsdf type='diffuse'>"
+        "<spectrum name='reflectance' value='300:.5 900:.5'/></bsdf></shape>");
+    /* the observer's table ends within the interval given: rounding only */
+    assert_true(fabsf(vec3_luminance(vec3_load(mitsuba_light(self, 0)->color)) - 1.0f) < 1e-3f);
+    const float *warm = mitsuba_light(self, 1)->color, *cold = mitsuba_light(self, 2)->color;
+    assert_true(warm[0] > 0.0f && warm[0] / warm[2] > cold[0] / cold[2]);
+    assert_floats(mitsuba_light(self, 3)->color, 3,
+                  (const float[]){1.0f, 0.21404114f, 0.04045f / 12.92f});
+    for (size_t i = 0; i < 3; ++i) /* D65 of the integral against that of the matrix: 0.11 % */
+        assert_true(fabsf(mitsuba_material(self, 0)->base_color[i] - 0.5f) < 2e-3f);
+}
+
 /* A collimated beam from a window: its corners and the way it faces. */
 static void windows_send_beams(void **state)
 {
@@ -431,6 +455,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(instances_are_copies, set_up, tear_down),
         cmocka_unit_test_setup_teardown(sidecars_name_shapes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(lights_shine_where_they_say, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(colours_come_in_all_forms, set_up, tear_down),
         cmocka_unit_test_setup_teardown(windows_send_beams, set_up, tear_down),
         cmocka_unit_test_setup_teardown(environments_keep_mitsubas_directions, set_up, tear_down),
         cmocka_unit_test_setup_teardown(projectors_throw_their_picture, set_up, tear_down),

@@ -125,7 +125,7 @@ static air_status add_part(air_mitsuba *mitsuba, air_xml *at, air_handle *out_ha
 {
     air_material_desc desc;
     const air_xml *with = mitsuba->both_sides ? at : NULL;
-    const air_mitsuba_made *made = air_mitsuba_find_made(mitsuba, at, with);
+    const air_mitsuba_made *made = air_mitsuba_find_made(at, with);
     if (made != NULL) {
         *out_handle = made->handle;
         return AIR_OK;
@@ -266,9 +266,9 @@ air_status air_mitsuba_material(air_mitsuba *mitsuba, air_xml *shape, air_handle
         return status;
     if (emitter != NULL && !air_mitsuba_is(emitter, "area"))
         emitter = NULL; /* it makes a light of its own */
-    const air_xml *at = bsdf != NULL ? bsdf : shape;
+    air_xml *at = bsdf != NULL ? bsdf : shape;
     const air_xml *with = emitter != NULL ? emitter : mitsuba->scene;
-    air_mitsuba_made *made = air_mitsuba_find_made(mitsuba, at, with);
+    air_mitsuba_made *made = air_mitsuba_find_made(at, with);
     if (made == NULL) {
         bool clear = false;
         air_handle handle = AIR_NONE;

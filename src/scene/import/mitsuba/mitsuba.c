@@ -19,23 +19,22 @@ const char *air_mitsuba_name(const air_xml *at)
     return id != NULL ? id : air_mitsuba_type(at);
 }
 
-air_mitsuba_made *air_mitsuba_find_made(const air_mitsuba *mitsuba, const air_xml *at,
-                                        const air_xml *with)
+air_mitsuba_made *air_mitsuba_find_made(const air_xml *at, const air_xml *with)
 {
-    air_mitsuba_made *made = mitsuba->made;
-    while (made != NULL && (made->at != at || made->with != with))
+    air_mitsuba_made *made = at->made;
+    while (made != NULL && made->with != with)
         made = made->next;
     return made;
 }
 
-air_mitsuba_made *air_mitsuba_note_made(air_mitsuba *mitsuba, const air_xml *at,
-                                        const air_xml *with, air_handle handle)
+air_mitsuba_made *air_mitsuba_note_made(air_mitsuba *mitsuba, air_xml *at, const air_xml *with,
+                                        air_handle handle)
 {
     air_mitsuba_made *made = air_xml_allocate(&mitsuba->document, sizeof *made);
     if (made == NULL)
         return NULL;
-    *made = (air_mitsuba_made){.at = at, .with = with, .handle = handle, .next = mitsuba->made};
-    mitsuba->made = made;
+    *made = (air_mitsuba_made){.with = with, .handle = handle, .next = at->made};
+    at->made = made;
     return made;
 }
 

@@ -22,7 +22,7 @@ typedef struct air_mitsuba_item {
 
 /* What an element has become, for those that refer to it again. */
 typedef struct air_mitsuba_made {
-    const air_xml *at, *with; /* with: what decides beside it, such as a material's emitter */
+    const air_xml *with; /* decides beside the element: a material's emitter; or NULL */
     air_handle handle;
     bool clear; /* a material that lets light through */
     struct air_mitsuba_made *next;
@@ -53,7 +53,6 @@ typedef struct air_mitsuba {
     size_t folder_count, include_count;
     air_mitsuba_item *items;
     size_t item_count, item_capacity;
-    air_mitsuba_made *made;
     air_mitsuba_region *regions;       /* the last one first */
     const air_xml *sensor;             /* the first one, NULL: none */
     size_t nesting;                    /* of what is being read: references may go in circles */
@@ -152,11 +151,10 @@ air_status air_mitsuba_transform(const air_mitsuba *mitsuba, const air_xml *at, 
 
 /* A name for what is made of an element: its id, or its type. */
 const char *air_mitsuba_name(const air_xml *at);
-air_mitsuba_made *air_mitsuba_find_made(const air_mitsuba *mitsuba, const air_xml *at,
-                                        const air_xml *with);
+air_mitsuba_made *air_mitsuba_find_made(const air_xml *at, const air_xml *with);
 /* NULL when memory is out. */
-air_mitsuba_made *air_mitsuba_note_made(air_mitsuba *mitsuba, const air_xml *at,
-                                        const air_xml *with, air_handle handle);
+air_mitsuba_made *air_mitsuba_note_made(air_mitsuba *mitsuba, air_xml *at, const air_xml *with,
+                                        air_handle handle);
 /* An item, and the object by which sidecars know it; NULL when memory is out. */
 air_import_object *air_mitsuba_add_item(air_mitsuba *mitsuba, air_xml *at, const air_xml *named,
                                         const float instance_to_world[12]);

@@ -241,7 +241,7 @@ static air_status read_texture(air_mitsuba *mitsuba, air_xml *at, bool linear, f
 {
     static const char *const types[] = {"bitmap", "checkerboard", "scale"};
     const air_xml *with = linear ? at : NULL;
-    const air_mitsuba_made *made = air_mitsuba_find_made(mitsuba, at, with);
+    const air_mitsuba_made *made = air_mitsuba_find_made(at, with);
     air_handle handle = made != NULL ? made->handle : AIR_NONE;
     air_status status = AIR_OK;
     out_scale[0] = out_scale[1] = out_scale[2] = 1.0f;

@@ -72,9 +72,9 @@ static void place(const air_grid *grid, const float low[3], const float high[3],
     }
 }
 
-static air_status load_grid(air_mitsuba *mitsuba, const air_xml *at, air_handle *out_handle)
+static air_status load_grid(air_mitsuba *mitsuba, air_xml *at, air_handle *out_handle)
 {
-    const air_mitsuba_made *made = air_mitsuba_find_made(mitsuba, at, NULL);
+    const air_mitsuba_made *made = air_mitsuba_find_made(at, NULL);
     const char *name = NULL;
     char *path = NULL;
     if (made != NULL) {

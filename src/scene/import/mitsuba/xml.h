@@ -22,6 +22,7 @@ typedef struct air_xml {
     size_t line;
     double version; /* of its file's root: "0.5.0" is 0.5 */
     struct air_xml *parent, *child, *last_child, *next;
+    void *made; /* what readers keep with it; NULL at first */
     bool used;  /* somebody took it into account */
     bool asked; /* what was not used of its children is worth a warning */
 } air_xml;
