@@ -142,8 +142,6 @@ air_status air_camera_record_create(air_context *context, const air_camera_desc 
         air_record_create(context, sizeof *record, air_record_own_nothing, desc->name);
     if (record == NULL)
         return AIR_ERROR_MEMORY;
-    for (size_t row = 0; row < 3 && desc->mirrored; ++row)
-        to_world[4 * row] = -to_world[4 * row];
     record->desc = *desc;
     record->desc.name = record->base.name;
     memcpy(record->desc.to_world, to_world, sizeof to_world);

@@ -230,7 +230,6 @@ static air_camera camera_form(const air_camera_record *record, air_handle handle
                          .lens_radius = desc->lens_radius,
                          .focus_distance = desc->focus_distance,
                          .film = desc->film,
-                         .mirrored = desc->mirrored,
                          .handle = handle,
                          .framed = handle == AIR_NONE};
     memcpy(camera.to_world, desc->to_world, sizeof camera.to_world);
@@ -348,7 +347,6 @@ air_status air_snapshot_camera_desc(const air_snapshot *snapshot, air_handle cam
                                   .lens_radius = form->lens_radius,
                                   .focus_distance = form->focus_distance,
                                   .film = form->film,
-                                  .mirrored = form->mirrored,
                                   .aspect = form->aspect};
     memcpy(out_desc->to_world, form->to_world, sizeof out_desc->to_world);
     return AIR_OK;
