@@ -3,8 +3,8 @@
 #define AIR_LIGHTMAP_FILES_H
 
 #include "airlight/lightmap.h"
+#include "image/staging.h"
 #include "lightmap/place.h"
-#include "lightmap/staging.h"
 
 enum {
     AIR_LIGHTMAP_VERSION = 1,

@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "image/staging.h"
 #include "lightmap/check.h"
-#include "lightmap/staging.h"
 
 enum { TALLEST = 16384, NAME = 64 };
 

@@ -2,11 +2,11 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "image/staging.h"
 #include "image/stb_image.h"
 #include "lightmap/check.h"
 #include "lightmap/engine.h"
 #include "lightmap/place.h"
-#include "lightmap/staging.h"
 
 enum { VERSION = 1, NAME = 64, CANDIDATES = 32 };
 

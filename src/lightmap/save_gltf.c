@@ -4,10 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "image/staging.h"
 #include "lightmap/check.h"
 #include "lightmap/files.h"
 #include "lightmap/gltf_mesh.h"
-#include "lightmap/staging.h"
 #include "lightmap/uri.h"
 
 void air_lightmap_gltf_params_default(air_lightmap_gltf_params *params)
@@ -74,44 +74,15 @@ static air_status state_buffer(air_gltf_copy *copy, const char *uri)
     return AIR_OK;
 }
 
-/* [glTF2, section 4.4] */
 static air_status write_glb(air_gltf_copy *copy, air_staging *staging, const char *name)
 {
     air_status status = state_buffer(copy, NULL);
     char *text = status == AIR_OK ? json_dumps(copy->json, JSON_COMPACT) : NULL;
-    if (text == NULL) {
-        return status != AIR_OK ? status : air_fail_memory(copy->context, name);
+    if (status == AIR_OK) {
+        status = text == NULL ? air_fail_memory(copy->context, name)
+                              : air_staging_add_glb(staging, name, text, copy->binary.data,
+                                                    copy->binary.size);
     }
-    const size_t text_size = strlen(text), text_room = (text_size + 3) / 4 * 4;
-    const size_t binary_room = (copy->binary.size + 3) / 4 * 4;
-    const size_t total = 12 + 8 + text_room + (binary_room > 0 ? 8 + binary_room : 0);
-    uint8_t *file = NULL;
-    if (total > UINT32_MAX) {
-        status = air_fail(copy->context, AIR_ERROR_UNSUPPORTED,
-                          "%s: %zu bytes are too many for a .glb, write a .gltf", name, total);
-        goto cleanup;
-    }
-    file = air_allocate(copy->context, total, 1);
-    if (file == NULL) {
-        status = air_fail_memory(copy->context, name);
-        goto cleanup;
-    }
-    memcpy(file, "glTF", 4);
-    air_put_u32(file + 4, 2);
-    air_put_u32(file + 8, (uint32_t)total);
-    air_put_u32(file + 12, (uint32_t)text_room);
-    memcpy(file + 16, "JSON", 4);
-    memset(file + 20, ' ', text_room);
-    memcpy(file + 20, text, text_size);
-    if (binary_room > 0) {
-        uint8_t *chunk = file + 20 + text_room;
-        air_put_u32(chunk, (uint32_t)binary_room);
-        memcpy(chunk + 4, "BIN\0", 4);
-        memcpy(chunk + 8, copy->binary.data, copy->binary.size);
-    }
-    status = air_staging_add(staging, name, file, total);
-cleanup:
-    air_free(copy->context, file);
     free(text);
     return status;
 }

@@ -3,8 +3,8 @@
  * Files are written into a hidden folder beside their final names and moved when all are there. The
  * last one added is the index: it is removed before the first file moves and moved last, so where
  * it is, the set is whole. Only a crash between two renames can leave a set without its index. */
-#ifndef AIR_LIGHTMAP_STAGING_H
-#define AIR_LIGHTMAP_STAGING_H
+#ifndef AIR_IMAGE_STAGING_H
+#define AIR_IMAGE_STAGING_H
 
 #include <jansson.h>
 
@@ -32,6 +32,10 @@ air_status air_staging_add_image(air_staging *self, const char *name, const air_
                                  const air_image_save_params *params);
 /* Takes root. */
 air_status air_staging_add_json(air_staging *self, const char *name, json_t *root);
+/* A glTF file of one piece: JSON text, and the chunk that buffer 0 is, which may be empty.
+ * AIR_ERROR_UNSUPPORTED: together beyond 4 GiB. */
+air_status air_staging_add_glb(air_staging *self, const char *name, const char *text,
+                               const void *binary, size_t binary_size);
 /* Moves all files to where they belong. */
 air_status air_staging_commit(air_staging *self);
 /* After a commit that replaced an older set: removes PREFIX<i>.exr for i = first, first + 1, ... as

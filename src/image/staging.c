@@ -1,5 +1,5 @@
 /* staging.c: several files that appear together or not at all. */
-#include "lightmap/staging.h"
+#include "image/staging.h"
 
 #include <errno.h>
 #include <fcntl.h>
