@@ -61,6 +61,12 @@ static inline air_vec3 vec3_cross(air_vec3 a, air_vec3 b)
 }
 static inline float vec3_length(air_vec3 a) { return sqrtf(vec3_dot(a, a)); }
 static inline air_vec3 vec3_normalize(air_vec3 a) { return vec3_scale(a, 1.0f / vec3_length(a)); }
+/* Of length 1; what has it already, but for rounding, stays as it is: a direction that is told on
+ * does not move. */
+static inline air_vec3 vec3_unit(air_vec3 a)
+{
+    return fabsf(vec3_dot(a, a) - 1.0f) < 1e-6f ? a : vec3_normalize(a);
+}
 static inline float vec3_max(air_vec3 a) { return float_max(a.x, float_max(a.y, a.z)); }
 static inline float vec3_min(air_vec3 a) { return float_min(a.x, float_min(a.y, a.z)); }
 static inline float vec3_mean(air_vec3 a) { return (a.x + a.y + a.z) * (1.0f / 3.0f); }

@@ -49,10 +49,29 @@ static void set_map_columns(float map[12], const air_vec3 columns[4])
     }
 }
 
+/* Are the axes perpendicular, of length 1, and right-handed unless mirrored, but for the rounding of
+ * floats? */
+static bool is_orthonormal(const float map[12], bool mirrored)
+{
+    for (size_t i = 0; i < 3; ++i) {
+        for (size_t j = 0; j <= i; ++j) {
+            double product = 0.0;
+            for (size_t row = 0; row < 3; ++row)
+                product += (double)map[4 * row + i] * (double)map[4 * row + j];
+            if (!(fabs(product - (i == j ? 1.0 : 0.0)) < 5e-7))
+                return false;
+        }
+    }
+    return (affine_determinant(map) < 0.0) == mirrored;
+}
+
 /* Keeps the viewing direction and the side that is up; drops scale, shear and mirroring but for
- * what is asked for. False if these directions are missing or parallel. */
+ * what is asked for. False if these directions are missing or parallel. A map that has none of these
+ * stays as it is, so that a camera that is told on does not move. */
 static bool orthonormalize(float map[12], bool mirrored)
 {
+    if (is_orthonormal(map, mirrored))
+        return true;
     const air_vec3 back = map_column(map, 2), up = map_column(map, 1);
     const air_vec3 z =
         vec3_scale(back, 1.0f / vec3_max(vec3(fabsf(back.x), fabsf(back.y), fabsf(back.z))));

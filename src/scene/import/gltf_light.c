@@ -64,7 +64,7 @@ air_status air_gltf_add_light(air_gltf *gltf, const air_import_object *object)
     desc.casts_shadow = object->casts_shadow;
     vec3_store(desc.position, affine_point(object->to_world, vec3_set1(0.0f)));
     if (!vec3_is_zero(forward))
-        vec3_store(desc.dir, vec3_normalize(forward));
+        vec3_store(desc.dir, vec3_unit(forward));
     else if (desc.kind != AIR_LIGHT_POINT)
         return air_json_fail(&at, AIR_ERROR_FORMAT,
                              "the light \"%s\" has no direction: its node is scaled to nothing",

@@ -63,6 +63,8 @@ air_status air_sidecar_read_direction(const air_json *at, float out[3])
     const double length = sqrt(x * x + y * y + z * z);
     if (!(length > 1e-30))
         return air_json_expected(at, "a direction that is not 0");
+    if (fabs(length - 1.0) < 5e-7) /* but for the rounding of floats: it stays as it is */
+        return AIR_OK;
     out[0] = (float)(x / length);
     out[1] = (float)(y / length);
     out[2] = (float)(z / length);

@@ -34,7 +34,7 @@ static air_status read_world_direction(const air_sidecar_part *part, float out[3
     const air_vec3 dir = affine_vector(part->to_world, vec3_load(local));
     if (!(vec3_length(dir) > 0.0f))
         return air_json_fail(&at, AIR_ERROR_FORMAT, "the node is scaled to nothing along it");
-    vec3_store(out, vec3_normalize(dir));
+    vec3_store(out, vec3_unit(dir));
     return AIR_OK;
 }
 
