@@ -1,5 +1,4 @@
-#include <string.h>
-
+#include "core/vec.h"
 #include "scene/import/import.h"
 
 static air_status read_strength(const air_json *detail, air_detail *out)
@@ -39,9 +38,11 @@ static air_status read_seed(const air_json *detail, air_detail *out)
 
 air_status air_sidecar_read_detail(const air_sidecar_part *part, air_medium_desc *desc)
 {
-    static const char *const keys[] = {"strength", "scale", "octaves", "seed"};
+    static const char *const keys[] = {"strength", "scale", "octaves", "seed", "to_world"};
     const air_json at = air_json_get(part->at, "detail");
     const air_json scale_at = air_json_get(&at, "scale");
+    const air_json map_at = air_json_get(&at, "to_world");
+    float local[12] = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f};
     air_detail *detail = &desc->density.detail;
     if (at.value == NULL)
         return AIR_OK;
@@ -58,6 +59,8 @@ air_status air_sidecar_read_detail(const air_sidecar_part *part, air_medium_desc
         status = read_octaves(&at, detail);
     if (status == AIR_OK)
         status = read_seed(&at, detail);
+    if (status == AIR_OK && map_at.value != NULL)
+        status = air_sidecar_read_map(&map_at, local);
     if (status != AIR_OK)
         return status;
     if (detail->strength > 0.0f && desc->boundary.kind == AIR_BOUNDARY_UNBOUNDED &&
@@ -65,6 +68,6 @@ air_status air_sidecar_read_detail(const air_sidecar_part *part, air_medium_desc
         return air_json_fail(&at, AIR_ERROR_FORMAT,
                              "expected a boundary or a grid beside it: only media with an end "
                              "have detail");
-    memcpy(detail->to_world, part->to_world, sizeof detail->to_world);
+    affine_multiply(part->to_world, local, detail->to_world);
     return AIR_OK;
 }
