@@ -315,6 +315,16 @@ AIR_API void air_load_params_default(air_load_params *params);
 AIR_API air_status air_scene_load(air_context *context, const char *path,
                                   const air_load_params *params, air_scene **out_scene);
 
+/* ---- saving ---- */
+
+/* Writes the scene as one .glb file: glTF for what glTF knows, and the airlight object of
+ * docs/sidecar.md for the rest, such that air_scene_load gives the same scene. Environment images
+ * and density grids go into files beside it, STEM.NAME.exr and STEM.NAME.vol; all of them appear
+ * together or not at all. Of what the file cannot hold a warning says what it became
+ * (docs/convert.md). AIR_ERROR_UNSUPPORTED: another ending, or more than 4 GiB;
+ * AIR_ERROR_ARGUMENT: there is a STEM.airlight.json, which would be read with the file. */
+AIR_API air_status air_scene_save(air_context *context, const air_scene *scene, const char *path);
+
 /* ---- looking ---- */
 
 typedef struct air_scene_info {
