@@ -3,12 +3,14 @@
 #include <spawn.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "host.h"
 #include "interrupt.h"
 #include "output.h"
+#include "scene_options.h"
 
 extern char **environ;
 
@@ -18,15 +20,19 @@ enum { PATH_LENGTH_MAX = 4096 };
 
 static const char *const image_extensions[] = {".exr", ".png", ".pfm", ".ktx2", NULL};
 static const char *const grid_extensions[] = {".nvdb", NULL};
+static const char *const scene_extensions[] = {".glb", NULL};
 
 static const cli_usage convert_usage = {
     .command = "convert",
     .arguments = "IN OUT",
-    .summary = "Converts images (.exr, .hdr, .png, .jpg, .pfm or .ktx2 to .exr, .png, .pfm or "
-               ".ktx2) and density grids (.vdb to .nvdb, by the program " CONVERTER
-               " of the optional OpenVDB part). Exposure and view default to what IN says: the "
-               "exposure an EXR carries, none for pictures of 8 bits, else auto.",
-    .examples = "  airlight convert room.exr room.png --exposure 1.5\n"
+    .summary =
+        "Converts scenes (.gltf, .glb or Mitsuba's .xml, with all that belongs to them, to one "
+        ".glb), images (.exr, .hdr, .png, .jpg, .pfm or .ktx2 to .exr, .png, .pfm or "
+        ".ktx2) and density grids (.vdb to .nvdb, by the program " CONVERTER
+        " of the optional OpenVDB part). Exposure and view default to what IN says: the "
+        "exposure an EXR carries, none for pictures of 8 bits, else auto.",
+    .examples = "  airlight convert scene.gltf whole.glb --medium visibility=50m\n"
+                "  airlight convert room.exr room.png --exposure 1.5\n"
                 "  airlight convert sky.hdr sky.exr --half\n"
                 "  airlight convert lightmap-0.ktx2 lightmap-0.exr\n"
                 "  airlight convert smoke.vdb smoke.nvdb\n",
@@ -167,10 +173,52 @@ static cli_exit convert_grid(cli_host *host, const char *in, const char *out, co
     return result;
 }
 
+/* ---- scenes ---- */
+
+static bool is_scene(const char *path)
+{
+    return cli_has_extension(path, ".gltf") || cli_has_extension(path, ".glb") ||
+           cli_has_extension(path, ".xml");
+}
+
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat status_a, status_b;
+    return stat(a, &status_a) == 0 && stat(b, &status_b) == 0 &&
+           status_a.st_dev == status_b.st_dev && status_a.st_ino == status_b.st_ino;
+}
+
+static cli_exit convert_scene(cli_host *host, const char *in, const char *out,
+                              const cli_scene_options *options)
+{
+    const int64_t frame = options->frame.set ? (int64_t)options->frame.value : AIR_FRAME_NONE;
+    air_scene *scene = NULL;
+    if (!is_scene(in)) {
+        cli_say(&host->progress, AIR_MESSAGE_ERROR,
+                "%s: expected a scene that ends in .gltf, .glb or .xml", in);
+        return CLI_USAGE;
+    }
+    if (is_same_file(in, out)) {
+        cli_say(&host->progress, AIR_MESSAGE_ERROR, "%s: is the scene itself: choose another name",
+                out);
+        return CLI_USAGE;
+    }
+    cli_exit result = cli_scene_load(host, in, options, frame, &scene);
+    if (result == CLI_OK) {
+        result = cli_host_exit(host, air_scene_save(host->context, scene, out), out);
+    }
+    if (result == CLI_OK) {
+        cli_report(&host->progress, "wrote %s", out);
+    }
+    air_scene_destroy(scene);
+    return result;
+}
+
 /* ---- the command ---- */
 
 typedef struct convert_run {
     convert_options options;
+    cli_scene_options scene;
     cli_output_options output;
     cli_host_options host_options;
     cli_host host;
@@ -180,6 +228,7 @@ static cli_exit run_convert(convert_run *run, const char *in, const char *out)
 {
     cli_host *const host = &run->host;
     const bool grid = cli_has_extension(in, ".vdb");
+    const bool scene = is_scene(in) || cli_has_extension(out, ".glb");
     const cli_list paths = {.count = 1, .items = {out}};
     cli_exit result = cli_host_open(host, &run->host_options);
     if (result != CLI_OK) {
@@ -190,9 +239,15 @@ static cli_exit run_convert(convert_run *run, const char *in, const char *out)
                 "%s: films become pictures by airlight merge %s -o %s", in, in, out);
         return CLI_USAGE;
     }
-    result = cli_output_check(host, &paths, grid ? grid_extensions : image_extensions);
+    result = cli_output_check(host, &paths,
+                              scene  ? scene_extensions
+                              : grid ? grid_extensions
+                                     : image_extensions);
     if (result != CLI_OK) {
         return result;
+    }
+    if (scene) {
+        return convert_scene(host, in, out, &run->scene);
     }
     return grid ? convert_grid(host, in, out, run->options.grid)
                 : convert_image(host, in, out, &run->output);
@@ -202,6 +257,7 @@ cli_exit cli_convert(int argc, char **argv)
 {
     convert_run run = {.options = {.grid = NULL}};
     const cli_option_group groups[] = {
+        cli_scene_group(&run.scene),
         cli_picture_group(&run.output),
         {"Grids", convert_table, sizeof convert_table / sizeof convert_table[0], &run.options},
         cli_host_group(&run.host_options),
