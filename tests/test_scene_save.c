@@ -238,8 +238,8 @@ static void maps_of_coordinates_may_turn_and_mirror(void **state)
     saved_finish(&f);
 }
 
-/* Floats become bytes: within half a step of the sRGB curve, whose greatest slope is at white, 2.4
- * / 1.055 (1 + 0.055)^1.4 ... / 2 = 0.0045. Emission above 1 goes into the strength. */
+/* Floats become bytes: within half a step of 1/255 times the greatest slope of the sRGB curve, 2.4
+ * / 1.055 at white: 0.0045. Emission above 1 goes into the strength. */
 static void float_textures_are_rounded_with_a_warning(void **state)
 {
     (void)state;
