@@ -338,6 +338,38 @@ static void other_models_become_what_is_nearest(void **state)
     saved_finish(&f);
 }
 
+/* The red of an opacity texture becomes the alpha of the base colour's, texel by texel. */
+static void opacity_becomes_alpha(void **state)
+{
+    (void)state;
+    saved_fixture f;
+    const uint8_t colors[2 * 3] = {10, 20, 30, 200, 100, 0}, covered[2] = {51, 255};
+    const air_texture_desc color = {
+        .width = 2, .height = 1, .channels = 3, .bytes = colors, .srgb = true};
+    const air_texture_desc opacity = {.width = 2, .height = 1, .channels = 1, .bytes = covered};
+    air_material_desc desc;
+    saved_init(&f);
+    air_material_desc_default(&desc);
+    desc.opacity_texture = desc.base_color_texture;
+    desc.opacity_texture.texture = saved_add_texture(&f, &opacity);
+    saved_show_material(&f, &desc);
+    desc.base_color_texture.texture = saved_add_texture(&f, &color);
+    saved_show_material(&f, &desc);
+    saved_round(&f);
+    for (size_t i = 0; i < 2; ++i) {
+        const air_texture *again =
+            saved_texture(f.again, saved_material_again(&f, i)->base_color_texture.texture);
+        assert_int_equal(again->channels, 4);
+        for (size_t texel = 0; texel < 2; ++texel) {
+            assert_int_equal(again->bytes[4 * texel + 3], covered[texel]);
+            for (size_t c = 0; c < 3; ++c)
+                assert_int_equal(again->bytes[4 * texel + c], i == 0 ? 255 : colors[3 * texel + c]);
+        }
+    }
+    assert_string_equal(f.said[AIR_MESSAGE_WARNING], "");
+    saved_finish(&f);
+}
+
 /* ---- files ---- */
 
 static void a_sidecar_in_the_way_is_refused(void **state)
@@ -439,6 +471,7 @@ int main(void)
         cmocka_unit_test(float_textures_are_rounded_with_a_warning),
         cmocka_unit_test(cameras_stay_where_they_are),
         cmocka_unit_test(other_models_become_what_is_nearest),
+        cmocka_unit_test(opacity_becomes_alpha),
         cmocka_unit_test(a_sidecar_in_the_way_is_refused),
         cmocka_unit_test(an_empty_scene_is_a_file),
         cmocka_unit_test(every_allocation_may_fail),

@@ -40,8 +40,9 @@ typedef struct air_export_block {
 /* A texture that is in the file already: each is once for each way it is read. */
 typedef struct air_export_texture {
     air_handle handle;
+    air_handle opacity; /* whose red is a factor on alpha, or AIR_NONE; then handle may be that */
     bool srgb;
-    float scale; /* what its texels were divided by */
+    float scale; /* what its colours were divided by */
     size_t index;
 } air_export_texture;
 
@@ -129,10 +130,10 @@ void air_export_split(const float color[3], air_export_product product, float ou
                       float *out_strength);
 /* ---- what is written ---- */
 
-/* The texture as a material refers to it, read with the sRGB transfer or without; texels are
- * divided by `scale`. Absent where the reference names none. */
-air_status air_export_texture_info(air_export *self, const air_texture_ref *reference, bool srgb,
-                                   float scale, json_t **out_info);
+/* The texture as a material refers to it, read in the way that is given (without its handle).
+ * Absent where the reference names none. */
+air_status air_export_texture_info(air_export *self, const air_texture_ref *reference,
+                                   const air_export_texture *way, json_t **out_info);
 /* The greatest colour value of a texture that is above 1, else 1. */
 float air_export_texture_peak(const air_export *self, air_handle handle);
 

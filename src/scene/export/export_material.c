@@ -3,15 +3,44 @@
 
 #include "scene/export/export.h"
 
+/* How textures of colours and of numbers are read. */
+static const air_export_texture colours = {.srgb = true, .scale = 1.0f},
+                                numbers = {.srgb = false, .scale = 1.0f};
+
 /* A slot of a material, left out where it has no texture. */
 static air_status put_texture(air_export *self, json_t *object, const char *key,
-                              const air_texture_ref *reference, bool srgb, float scale)
+                              const air_texture_ref *reference, const air_export_texture *way)
 {
     json_t *info = NULL;
-    const air_status status = air_export_texture_info(self, reference, srgb, scale, &info);
+    const air_status status = air_export_texture_info(self, reference, way, &info);
     if (info != NULL)
         air_export_put(self, object, key, info);
     return status;
+}
+
+static bool same_places(const air_texture_ref *a, const air_texture_ref *b)
+{
+    return a->uv_set == b->uv_set &&
+           air_bytes_equal(a->uv_transform, b->uv_transform, sizeof a->uv_transform);
+}
+
+/* glTF has its alpha in the alpha of the base colour. */
+static air_status put_base_texture(air_export *self, const air_material_desc *desc, json_t *base)
+{
+    air_export_texture way = colours;
+    const air_texture_ref *color = &desc->base_color_texture, *opacity = &desc->opacity_texture;
+    if (opacity->texture == AIR_NONE)
+        return put_texture(self, base, "baseColorTexture", color, &way);
+    if (color->texture != AIR_NONE && !same_places(color, opacity)) {
+        air_warn(self->context,
+                 "%s: material \"%s\": its opacity texture lies otherwise than that of the base "
+                 "colour, and is left out",
+                 self->path, desc->name);
+        return put_texture(self, base, "baseColorTexture", color, &way);
+    }
+    way.opacity = opacity->texture;
+    return put_texture(self, base, "baseColorTexture", color->texture != AIR_NONE ? color : opacity,
+                       &way);
 }
 
 static air_status put_base(air_export *self, const air_material_desc *desc, json_t *material)
@@ -20,13 +49,12 @@ static air_status put_base(air_export *self, const air_material_desc *desc, json
     air_export_put(self, base, "baseColorFactor", air_export_floats(self, desc->base_color, 4));
     air_export_put(self, base, "metallicFactor", json_real((double)desc->metallic));
     air_export_put(self, base, "roughnessFactor", json_real((double)desc->roughness));
-    air_status status =
-        put_texture(self, base, "baseColorTexture", &desc->base_color_texture, true, 1.0f);
+    air_status status = put_base_texture(self, desc, base);
     if (status == AIR_OK)
         status = put_texture(self, base, "metallicRoughnessTexture",
-                             &desc->metallic_roughness_texture, false, 1.0f);
+                             &desc->metallic_roughness_texture, &numbers);
     if (status == AIR_OK)
-        status = put_texture(self, material, "normalTexture", &desc->normal_texture, false, 1.0f);
+        status = put_texture(self, material, "normalTexture", &desc->normal_texture, &numbers);
     json_t *normal = json_object_get(material, "normalTexture");
     if (normal != NULL && desc->normal_scale != 1.0f)
         air_export_put(self, normal, "scale", json_real((double)desc->normal_scale));
@@ -51,7 +79,8 @@ static air_status put_emission(air_export *self, const air_material_desc *desc, 
     json_t *extension = air_export_extension(self, material, "KHR_materials_emissive_strength");
     air_export_put(self, extension, "emissiveStrength", json_real((double)strength));
     air_export_put(self, material, "emissiveFactor", air_export_floats(self, factors, 3));
-    return put_texture(self, material, "emissiveTexture", &desc->emission_texture, true, peak);
+    const air_export_texture way = {.srgb = true, .scale = peak};
+    return put_texture(self, material, "emissiveTexture", &desc->emission_texture, &way);
 }
 
 static void put_alpha(air_export *self, const air_material_desc *desc, json_t *material)
@@ -84,7 +113,7 @@ static air_status put_interface(air_export *self, const air_material_desc *desc,
         air_export_put(self, air_export_extension(self, material, "KHR_materials_volume"),
                        "thicknessFactor", json_real(1.0));
     return put_texture(self, transmission, "transmissionTexture", &desc->transmission_texture,
-                       false, 1.0f);
+                       &numbers);
 }
 
 static air_status add_material(air_export *self, const air_material_record *record)

@@ -117,9 +117,7 @@ static void warn_of_textures(const air_export *self, const air_material_desc *de
     const struct {
         const air_texture_ref *reference;
         const char *what;
-    } slots[] = {{&desc->opacity_texture, "opacity"},
-                 {&desc->bump_texture, "bump"},
-                 {&desc->blend_texture, "blend"}};
+    } slots[] = {{&desc->bump_texture, "bump"}, {&desc->blend_texture, "blend"}};
     for (size_t i = 0; i < sizeof slots / sizeof *slots; ++i)
         if (slots[i].reference->texture != AIR_NONE)
             air_warn(self->context, "%s: material \"%s\": its %s texture is left out", self->path,

@@ -59,8 +59,9 @@ static void warn_of_rounding(const air_export *self, const air_texture *texture,
                  texture->name, clipped);
 }
 
-static air_status encode(air_export *self, const air_texture *texture, bool srgb, float scale,
-                         air_sink *png)
+/* Texels that are as the file wants them are written as they are. */
+static air_status encode_texture(air_export *self, const air_texture *texture, bool srgb,
+                                 float scale, air_sink *png)
 {
     const uint8_t *bytes = texture->bytes;
     uint8_t *converted = NULL;
@@ -78,6 +79,44 @@ static air_status encode(air_export *self, const air_texture *texture, bool srgb
         air_stb_encode_png(png, texture->width, texture->height, texture->channels, bytes);
     air_free(self->context, converted);
     return encoded ? AIR_OK : air_fail_memory(self->context, self->path);
+}
+
+/* Colours of one texture, or white, with the red of another in their alpha, at the finer of the two
+ * resolutions. */
+static air_status encode_opacity(air_export *self, const air_texture *color,
+                                 const air_texture *opacity, bool srgb, air_sink *png)
+{
+    size_t width = opacity->width, height = opacity->height, clipped = 0;
+    if (color != NULL) {
+        width = color->width > width ? color->width : width;
+        height = color->height > height ? color->height : height;
+    }
+    uint8_t *bytes = air_allocate(self->context, width * height, 4);
+    if (bytes == NULL)
+        return air_fail_memory(self->context, self->path);
+    for (size_t i = 0; i < width * height; ++i) {
+        const float u = ((float)(i % width) + 0.5f) / (float)width;
+        const float v = ((float)(i / width) + 0.5f) / (float)height;
+        float rgba[4] = {1.0f, 1.0f, 1.0f, 1.0f}, covered[4];
+        if (color != NULL)
+            air_texture_lookup(color, u, v, rgba);
+        air_texture_lookup(opacity, u, v, covered);
+        for (size_t c = 0; c < 3; ++c)
+            bytes[4 * i + c] = to_byte(rgba[c], srgb, &clipped);
+        bytes[4 * i + 3] = to_byte(rgba[3] * covered[0], false, &clipped);
+    }
+    const bool encoded = air_stb_encode_png(png, width, height, 4, bytes);
+    air_free(self->context, bytes);
+    return encoded ? AIR_OK : air_fail_memory(self->context, self->path);
+}
+
+static air_status encode(air_export *self, const air_export_texture *added, air_sink *png)
+{
+    const air_texture *texture = texture_of(self, added->handle);
+    if (added->opacity == AIR_NONE)
+        return encode_texture(self, texture, added->srgb, added->scale, png);
+    return encode_opacity(self, added->opacity != added->handle ? texture : NULL,
+                          texture_of(self, added->opacity), added->srgb, png);
 }
 
 /* ---- glTF ---- */
@@ -106,7 +145,7 @@ static air_status add_texture(air_export *self, air_export_texture *added)
     const air_texture *texture = texture_of(self, added->handle);
     air_sink png = {.context = self->context};
     size_t view = 0;
-    air_status status = encode(self, texture, added->srgb, added->scale, &png);
+    air_status status = encode(self, added, &png);
     if (status == AIR_OK)
         status = air_export_view(self, png.data, png.size, 0, &view);
     air_free(self->context, png.data);
@@ -130,8 +169,8 @@ static air_status find_texture(air_export *self, const air_export_texture *wante
 {
     for (size_t i = 0; i < self->texture_count; ++i) {
         const air_export_texture *known = &self->textures[i];
-        if (known->handle == wanted->handle && known->srgb == wanted->srgb &&
-            known->scale == wanted->scale) {
+        if (known->handle == wanted->handle && known->opacity == wanted->opacity &&
+            known->srgb == wanted->srgb && known->scale == wanted->scale) {
             *out_index = known->index;
             return AIR_OK;
         }
@@ -194,14 +233,15 @@ static void put_transform(air_export *self, json_t *info, const air_texture_ref 
     air_export_put(self, transform, "scale", air_export_floats(self, scale, 2));
 }
 
-air_status air_export_texture_info(air_export *self, const air_texture_ref *reference, bool srgb,
-                                   float scale, json_t **out_info)
+air_status air_export_texture_info(air_export *self, const air_texture_ref *reference,
+                                   const air_export_texture *way, json_t **out_info)
 {
     size_t index = 0;
     *out_info = NULL;
     if (reference->texture == AIR_NONE)
         return AIR_OK;
-    const air_export_texture wanted = {.handle = reference->texture, .srgb = srgb, .scale = scale};
+    air_export_texture wanted = *way;
+    wanted.handle = reference->texture;
     const air_status status = find_texture(self, &wanted, &index);
     if (status != AIR_OK)
         return status;
