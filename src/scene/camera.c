@@ -49,8 +49,8 @@ static void set_map_columns(float map[12], const air_vec3 columns[4])
     }
 }
 
-/* Are the axes perpendicular, of length 1, and right-handed unless mirrored, but for the rounding of
- * floats? */
+/* Are the axes perpendicular, of length 1, and right-handed unless mirrored, but for the rounding
+ * of floats? */
 static bool is_orthonormal(const float map[12], bool mirrored)
 {
     for (size_t i = 0; i < 3; ++i) {
@@ -66,8 +66,8 @@ static bool is_orthonormal(const float map[12], bool mirrored)
 }
 
 /* Keeps the viewing direction and the side that is up; drops scale, shear and mirroring but for
- * what is asked for. False if these directions are missing or parallel. A map that has none of these
- * stays as it is, so that a camera that is told on does not move. */
+ * what is asked for. False if these directions are missing or parallel. A map that has none of
+ * these stays as it is, so that a camera that is told on does not move. */
 static bool orthonormalize(float map[12], bool mirrored)
 {
     if (is_orthonormal(map, mirrored))
