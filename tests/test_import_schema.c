@@ -8,10 +8,14 @@
 
 #define CUBE_ROOM "{" GLTF_SCENE ",'nodes':[{'mesh':0,'name':'Fog'}]," GLTF_CUBE "}"
 
+#define NODE_ROOM                                                                                  \
+    "{" GLTF_SCENE ",'nodes':[{'mesh':0,'camera':0,'extras':{'airlight':%s}}],"                    \
+    "'cameras':[{'type':'perspective','perspective':{'yfov':1}}]," GLTF_CUBE "}"
+
 /* An object of the schema and a sidecar in which it has a key that nobody knows. */
 typedef struct known_object {
     const char *path; /* from the top of the schema: keys with spaces between */
-    const char *text; /* NULL: on a node */
+    const char *text;
 } known_object;
 
 static const known_object objects[] = {
@@ -40,7 +44,12 @@ static const known_object objects[] = {
     {"$defs projector_light", "{'lights':[{'type':'projector','?':1}]}"},
     {"$defs environment_light", "{'lights':[{'type':'environment','?':1}]}"},
     {"$defs camera", "{'camera':{'?':1}}"},
-    {"$defs node", NULL},
+};
+
+/* The same for the airlight objects of nodes. */
+static const known_object node_objects[] = {
+    {"$defs node", "{'?':1}"},
+    {"$defs film", "{'film':{'?':1}}"},
 };
 
 static json_t *read_schema(air_context *context)
@@ -101,34 +110,36 @@ static void compare(json_t *object, const char *message, const char *path)
                  message);
 }
 
+static void check_object(json_t *schema, const known_object *object, bool on_node)
+{
+    static const float value = 1.0f;
+    import_fixture f;
+    char text[512];
+    uint8_t cube[168];
+    import_init(&f);
+    import_serve_cube(&f, cube);
+    import_serve(&f, "a.raw", &value, sizeof value);
+    strcpy(text, on_node ? "{}" : object->text);
+    import_quotes(text);
+    import_serve(&f, "room.airlight.json", text, strlen(text));
+    if (on_node)
+        assert_int_equal(import_format(&f, NODE_ROOM, object->text), AIR_ERROR_FORMAT);
+    else
+        assert_int_equal(import_text(&f, CUBE_ROOM), AIR_ERROR_FORMAT);
+    compare(descend(schema, object->path), f.said[AIR_MESSAGE_ERROR], object->path);
+    import_finish(&f);
+}
+
 static void the_published_schema_has_the_keys_that_the_reader_knows(void **state)
 {
     (void)state;
-    static const float value = 1.0f;
     air_context *plain = NULL;
-    uint8_t cube[168];
     assert_int_equal(air_context_create(NULL, &plain), AIR_OK);
     json_t *schema = read_schema(plain);
-    for (size_t i = 0; i < sizeof objects / sizeof objects[0]; ++i) {
-        import_fixture f;
-        char text[512] = "{}";
-        import_init(&f);
-        import_serve_cube(&f, cube);
-        import_serve(&f, "a.raw", &value, sizeof value);
-        if (objects[i].text != NULL)
-            strcpy(text, objects[i].text);
-        import_quotes(text);
-        import_serve(&f, "room.airlight.json", text, strlen(text));
-        assert_int_equal(
-            import_text(&f, objects[i].text != NULL
-                                ? CUBE_ROOM
-                                : "{" GLTF_SCENE
-                                  ",'nodes':[{'mesh':0,'extras':{'airlight':{'?':1}}}]," GLTF_CUBE
-                                  "}"),
-            AIR_ERROR_FORMAT);
-        compare(descend(schema, objects[i].path), f.said[AIR_MESSAGE_ERROR], objects[i].path);
-        import_finish(&f);
-    }
+    for (size_t i = 0; i < sizeof objects / sizeof objects[0]; ++i)
+        check_object(schema, &objects[i], false);
+    for (size_t i = 0; i < sizeof node_objects / sizeof node_objects[0]; ++i)
+        check_object(schema, &node_objects[i], true);
     json_decref(schema);
     air_context_destroy(plain);
 }

@@ -133,6 +133,10 @@ air_status air_gltf_add_camera(air_gltf *gltf, const air_import_object *object)
     if (status != AIR_OK)
         return status;
     desc.name = air_gltf_name(object);
+    desc.lens_radius = object->lens_radius;
+    if (object->focus_distance > 0.0f)
+        desc.focus_distance = object->focus_distance;
+    desc.film = object->film;
     memcpy(desc.to_world, object->to_world, sizeof desc.to_world);
     status = air_scene_add_camera(gltf->import->scene, &desc, &handle);
     return status == AIR_OK ? AIR_OK : air_json_place_error(&at, status);

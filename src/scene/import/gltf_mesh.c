@@ -316,6 +316,32 @@ done:
     return status;
 }
 
+/* The shape that the node's airlight object names, with the material of the first primitive. */
+static air_status add_shape(air_gltf *gltf, const air_import_object *object, const air_json *at)
+{
+    const air_json material_at = air_json_get(at, "material");
+    size_t material = 0;
+    air_handle handle = AIR_NONE;
+    air_mesh_desc desc;
+    air_mesh_desc_default(&desc);
+    air_status status =
+        air_json_index(&material_at, air_json_count(&gltf->materials), "a material", &material);
+    if (status == AIR_OK && material_at.value != NULL)
+        status = air_gltf_material(gltf, material, &desc.material);
+    if (status != AIR_OK)
+        return status;
+    desc.name = air_gltf_name(object);
+    desc.shape = object->shape;
+    desc.flip_normals = object->flip_normals;
+    memcpy(desc.to_world, object->to_world, sizeof desc.to_world);
+    desc.camera_visible = object->camera_visible;
+    desc.casts_shadow = object->casts_shadow;
+    desc.node = (int32_t)object->node;
+    desc.primitive = 0;
+    status = air_scene_add_mesh(gltf->import->scene, &desc, &handle);
+    return status == AIR_OK ? AIR_OK : air_json_place_error(at, status);
+}
+
 air_status air_gltf_add_mesh(air_gltf *gltf, const air_import_object *object)
 {
     const air_json mesh = air_json_at(&gltf->meshes, object->mesh);
@@ -327,6 +353,10 @@ air_status air_gltf_add_mesh(air_gltf *gltf, const air_import_object *object)
     if (status == AIR_OK && !affine_invert(object->to_world, inverse)) {
         gltf->tally.flattened_nodes++;
         return AIR_OK;
+    }
+    if (status == AIR_OK && object->shape != AIR_SHAPE_TRIANGLES) {
+        const air_json first = air_json_at(&primitives, 0);
+        return add_shape(gltf, object, &first);
     }
     for (size_t i = 0; i < air_json_count(&primitives) && status == AIR_OK; ++i) {
         const air_json at = air_json_at(&primitives, i);

@@ -17,8 +17,12 @@ typedef struct air_import_object {
     float to_world[12];
     size_t mesh, light, camera; /* indices in the scene file, SIZE_MAX: none */
     bool camera_visible, casts_shadow;
-    size_t node;        /* of the file, SIZE_MAX: none */
-    bool bounds_medium; /* bounds a medium and is not itself rendered */
+    size_t node;                       /* of the file, SIZE_MAX: none */
+    bool bounds_medium;                /* bounds a medium and is not itself rendered */
+    air_shape shape;                   /* in place of the mesh's triangles */
+    bool flip_normals;                 /* of the shape */
+    float lens_radius, focus_distance; /* of the camera; 0: not said */
+    air_film_hint film;
 } air_import_object;
 
 /* Where a sidecar stands. */
@@ -99,6 +103,9 @@ air_status air_sidecar_add_value(air_import *import, const air_json *at, const f
 air_status air_sidecar_add_file(air_import *import, const char *path, bool optional);
 /* A --medium; number counts them from 1. */
 air_status air_sidecar_add_argument(air_import *import, const char *argument, size_t number);
+
+/* What the airlight object of a node says of the shape and the camera that the node has. */
+air_status air_sidecar_read_node(const air_json *at, air_import_object *object);
 
 /* Checks keys and marks objects: flags, and which meshes are boundaries. */
 air_status air_sidecars_mark(air_import *import);

@@ -164,14 +164,18 @@ static air_status check_version(const air_json *root)
 
 static air_status check_shape(const air_sidecar *sidecar, const air_json *root)
 {
-    static const char *const node_keys[] = {"media",   "lights", "camera",         "objects",
-                                            "version", "medium", "camera_visible", "casts_shadow"};
+    static const char *const node_keys[] = {
+        "media",       "lights",         "camera",       "objects", "version",
+        "medium",      "camera_visible", "casts_shadow", "shape",   "flip_normals",
+        "lens_radius", "focus_distance", "film"};
+    const size_t node_key_count = sizeof node_keys / sizeof node_keys[0];
     const air_json media = air_json_get(root, "media");
     const air_json lights = air_json_get(root, "lights");
     air_status status = air_json_check_object(root, true);
-    /* the last three keys are about the node that a sidecar stands on */
+    /* but for the first five, keys are about the node that a sidecar stands on */
     if (status == AIR_OK)
-        status = air_json_check_keys(root, node_keys, sidecar->place == AIR_SIDECAR_NODE ? 8 : 5);
+        status = air_json_check_keys(root, node_keys,
+                                     sidecar->place == AIR_SIDECAR_NODE ? node_key_count : 5);
     if (status == AIR_OK)
         status = check_version(root);
     if (status == AIR_OK)
@@ -225,6 +229,8 @@ static air_status mark(air_import *import, const air_sidecar *sidecar)
     air_status status = check_shape(sidecar, &root);
     if (status == AIR_OK && sidecar->object != SIZE_MAX)
         status = read_flags(&root, &import->objects[sidecar->object]);
+    if (status == AIR_OK && sidecar->object != SIZE_MAX)
+        status = air_sidecar_read_node(&root, &import->objects[sidecar->object]);
     if (status == AIR_OK)
         status = mark_objects(import, &objects);
     return status == AIR_OK ? mark_media(import, sidecar, &root) : status;
