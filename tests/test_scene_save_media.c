@@ -88,6 +88,10 @@ static void other_lights_go_into_the_airlight_object(void **state)
     desc.outer_cone_rad = 0.5f;
     desc.inner_cone_rad = nextafterf(0.5f, 0.0f);
     saved_add_light(&f, &desc);
+    desc.name = "even in the angle";
+    desc.falloff = AIR_SPOT_ANGLE;
+    desc.inner_cone_rad = 0.1f;
+    saved_add_light(&f, &desc);
     desc.name = "grey sky";
     desc.kind = AIR_LIGHT_ENVIRONMENT;
     desc.camera_visible = false;
@@ -95,6 +99,42 @@ static void other_lights_go_into_the_airlight_object(void **state)
     saved_round(&f);
     saved_same_lights(f.scene, f.again);
     assert_string_equal(f.said[AIR_MESSAGE_WARNING], "");
+    saved_finish(&f);
+}
+
+/* The picture's axes come back within roundings of a cross product and a length, 2^-24 each. */
+static void projectors_keep_their_picture_and_their_axes(void **state)
+{
+    (void)state;
+    saved_fixture f;
+    const float floats[2 * 3] = {0.1f, 2.0f, 0.0f, 5.0f, 1e-3f, 0.7f};
+    const air_texture_desc texture = {.width = 2, .height = 1, .channels = 3, .floats = floats};
+    air_rng random = air_rng_from_keys(36, 37);
+    air_light_desc desc;
+    float axis[3];
+    saved_init(&f);
+    air_light_desc_default(&desc);
+    desc.name = "slides";
+    desc.kind = AIR_LIGHT_PROJECTOR;
+    desc.color[0] = desc.color[1] = 3.0f;
+    desc.position[1] = 2.7f;
+    desc.fov_x_rad = 0.77f;
+    desc.image = saved_add_texture(&f, &texture);
+    saved_random_direction(&random, axis);
+    const air_frame frame = frame_from_normal(vec3_load(axis));
+    const air_vec3 columns[3] = {frame.s, frame.t, frame.n};
+    for (size_t column = 0; column < 3; ++column)
+        for (size_t row = 0; row < 3; ++row)
+            desc.to_world[3 * row + column] = (&columns[column].x)[row];
+    saved_add_light(&f, &desc);
+    saved_round(&f);
+    const air_light_desc *again = saved_light_again(&f, 0);
+    assert_int_equal(again->kind, AIR_LIGHT_PROJECTOR);
+    assert_true(again->fov_x_rad == desc.fov_x_rad && again->position[1] == desc.position[1]);
+    assert_memory_equal(again->color, desc.color, sizeof desc.color);
+    assert_memory_equal(saved_texture(f.again, again->image)->floats, floats, sizeof floats);
+    for (size_t k = 0; k < 9; ++k)
+        assert_true(fabsf(again->to_world[k] - desc.to_world[k]) < 4.0f * 0x1p-24f);
     saved_finish(&f);
 }
 
@@ -208,8 +248,10 @@ static void media_keep_their_boundaries(void **state)
     desc.boundary.triangle_count = 4;
     saved_add_medium(&f, &desc);
     saved_add_medium(&f, &desc);
+    desc.boundary.kind = AIR_BOUNDARY_ELLIPSOID;
+    saved_add_medium(&f, &desc);
     saved_round(&f);
-    saved_same_media(&f, 4);
+    saved_same_media(&f, 5);
     assert_int_equal(f.again->lists[AIR_OBJECT_MESH].count, 1);
     saved_finish(&f);
 }
@@ -366,6 +408,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(punctual_lights_stay_within_the_last_bit),
         cmocka_unit_test(other_lights_go_into_the_airlight_object),
+        cmocka_unit_test(projectors_keep_their_picture_and_their_axes),
         cmocka_unit_test(environments_keep_their_image_and_turn),
         cmocka_unit_test(media_keep_coefficients_phases_and_overlaps),
         cmocka_unit_test(media_keep_their_boundaries),

@@ -29,6 +29,19 @@ typedef struct air_export_array {
     bool bounds; /* state the least and the greatest of each component */
 } air_export_array;
 
+/* Triangles around a full turn of a quadric. */
+enum { AIR_EXPORT_TURN = 64 };
+
+/* The arrays of a primitive of a mesh. */
+typedef struct air_export_primitive {
+    const float *positions, *normals, *tangents, *uv[2], *colors;
+    size_t vertex_count;
+    const uint32_t *indices;
+    size_t triangle_count;
+    void *owned[8]; /* arrays made for it */
+    size_t owned_count;
+} air_export_primitive;
+
 /* An array that is in the file already. */
 typedef struct air_export_block {
     uint64_t hash;
@@ -128,6 +141,14 @@ typedef float (*air_export_product)(float factor, float strength);
  * the next one is. */
 void air_export_split(const float color[3], air_export_product product, float out_factors[3],
                       float *out_strength);
+/* ---- export_primitive.c ---- */
+
+/* The arrays of a mesh in its own space, or in the world's; quadrics as triangles. Fronts are those
+ * of the mesh. Finish *out also after a failure. */
+air_status air_export_primitive_make(air_export *self, air_mesh_record *record, bool in_world,
+                                     air_export_primitive *out);
+void air_export_primitive_finish(air_export *self, air_export_primitive *primitive);
+
 /* ---- what is written ---- */
 
 /* The texture as a material refers to it, read in the way that is given (without its handle).

@@ -22,16 +22,32 @@ static void put_lens(air_export *self, const air_camera_desc *desc, json_t *came
     }
 }
 
-static void warn_of_rest(const air_export *self, const air_camera_desc *desc)
+/* In the order of air_filter, as the reader has them. */
+static const char *const filters[] = {"box", "point", "tent", "gaussian", "mitchell"};
+
+static void put_film(air_export *self, const air_film_hint *film, json_t *object)
 {
-    if (desc->lens_radius > 0.0f)
-        air_warn(self->context, "%s: camera \"%s\": its thin lens became a pinhole", self->path,
-                 desc->name);
+    json_t *entry = air_export_object(self, object, "film");
+    air_export_put(self, entry, "width", json_integer((json_int_t)film->width));
+    air_export_put(self, entry, "height", json_integer((json_int_t)film->height));
+    json_t *crop = air_export_list(self, entry, "crop");
+    for (size_t i = 0; i < 4; ++i)
+        air_export_push(self, crop, json_integer((json_int_t)film->crop[i]));
+    air_export_put(self, entry, "samples", json_integer(film->samples));
+    air_export_put(self, entry, "filter", json_string(filters[film->filter]));
+    air_export_put(self, entry, "filter_radius", json_real((double)film->filter_radius));
+}
+
+/* What glTF's cameras lack. */
+static void put_rest(air_export *self, const air_camera_desc *desc, json_t *node)
+{
+    if (desc->lens_radius > 0.0f) {
+        json_t *object = air_export_node_object(self, node);
+        air_export_put(self, object, "lens_radius", json_real((double)desc->lens_radius));
+        air_export_put(self, object, "focus_distance", json_real((double)desc->focus_distance));
+    }
     if (desc->film.known)
-        air_warn(self->context,
-                 "%s: camera \"%s\": its picture of %zu x %zu pixels is left out but for the "
-                 "aspect",
-                 self->path, desc->name, desc->film.width, desc->film.height);
+        put_film(self, &desc->film, air_export_node_object(self, node));
 }
 
 void air_export_cameras(air_export *self)
@@ -40,10 +56,10 @@ void air_export_cameras(air_export *self)
     for (size_t i = 0; i < list->count; ++i) {
         const air_camera_desc *desc = &((const air_camera_record *)list->slots[i].record)->desc;
         json_t *camera = json_object(), *node = json_object();
-        warn_of_rest(self, desc);
         put_lens(self, desc, camera);
         air_export_name(self, node, desc->name);
         air_export_matrix(self, node, desc->to_world);
+        put_rest(self, desc, node);
         air_export_put(self, node, "camera",
                        json_integer((json_int_t)air_export_append(self, "cameras", camera)));
         air_export_node(self, node);

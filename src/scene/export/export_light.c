@@ -105,11 +105,8 @@ static void put_spot(air_export *self, const air_light_desc *desc, json_t *light
                    json_real((double)desc->inner_cone_rad * degrees));
     air_export_put(self, light, "outer_cone_degrees",
                    json_real((double)desc->outer_cone_rad * degrees));
-    if (desc->falloff != AIR_SPOT_COSINE)
-        air_warn(self->context,
-                 "%s: light \"%s\": falls off linearly in the angle; it became one that does in "
-                 "the cosine, squared",
-                 self->path, desc->name);
+    if (desc->falloff == AIR_SPOT_ANGLE)
+        air_export_put(self, light, "falloff", json_string("angle"));
 }
 
 static void put_collimated(air_export *self, const air_light_desc *desc, json_t *light)
@@ -157,35 +154,72 @@ static void quaternion_of(const float m[9], float out[4])
         out[i] = (float)(q[i] / length);
 }
 
+static air_status put_image(air_export *self, const air_light_desc *desc, json_t *light)
+{
+    const char *file = NULL;
+    if (desc->image == AIR_NONE)
+        return AIR_OK;
+    const air_status status = air_export_image(self, desc->image, desc->name, &file);
+    if (status == AIR_OK)
+        air_export_put(self, light, "image", air_export_string(self, file));
+    return status;
+}
+
 static air_status put_environment(air_export *self, const air_light_desc *desc, json_t *light)
 {
     static const float unturned[9] = {1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f};
-    const char *file = NULL;
     float quaternion[4];
-    air_status status = AIR_OK;
     air_export_put(self, light, "radiance", air_export_color(self, desc->color));
     if (memcmp(desc->to_world, unturned, sizeof unturned) != 0) {
         quaternion_of(desc->to_world, quaternion);
         air_export_put(self, light, "rotation", air_export_floats(self, quaternion, 4));
     }
-    if (desc->image != AIR_NONE)
-        status = air_export_image(self, desc->image, desc->name, &file);
-    if (file != NULL)
-        air_export_put(self, light, "image", air_export_string(self, file));
-    return status;
+    return put_image(self, desc, light);
+}
+
+/* The picture's axes are the columns: right, up, and back along the light. */
+static air_status put_projector(air_export *self, const air_light_desc *desc, json_t *light)
+{
+    const float *m = desc->to_world;
+    const float dir[3] = {-m[2], -m[5], -m[8]}, up[3] = {m[1], m[4], m[7]};
+    air_export_put(self, light, "position", air_export_floats(self, desc->position, 3));
+    air_export_put(self, light, "direction", air_export_floats(self, dir, 3));
+    air_export_put(self, light, "up", air_export_floats(self, up, 3));
+    air_export_put(self, light, "fov_x_degrees",
+                   json_real((double)desc->fov_x_rad * 180.0 / AIR_PI));
+    air_export_put(self, light, "intensity", air_export_color(self, desc->color));
+    return put_image(self, desc, light);
+}
+
+static air_status put_kind(air_export *self, const air_light_desc *desc, json_t *light)
+{
+    switch (desc->kind) {
+    case AIR_LIGHT_SPOT:
+        put_spot(self, desc, light);
+        return AIR_OK;
+    case AIR_LIGHT_COLLIMATED:
+        put_collimated(self, desc, light);
+        return AIR_OK;
+    case AIR_LIGHT_POLYGON:
+        put_polygon(self, desc, light);
+        return AIR_OK;
+    case AIR_LIGHT_ENVIRONMENT:
+        return put_environment(self, desc, light);
+    case AIR_LIGHT_PROJECTOR:
+        return put_projector(self, desc, light);
+    case AIR_LIGHT_POINT:
+        break;
+    }
+    return air_fail(self->context, AIR_ERROR_INTERNAL, "%s: light \"%s\" is glTF's", self->path,
+                    desc->name);
 }
 
 static air_status add_other(air_export *self, const air_light_desc *desc)
 {
-    static const char *const types[] = {"point", "spot", "collimated", "polygon", "environment"};
+    static const char *const types[] = {"point",   "spot",        "collimated",
+                                        "polygon", "environment", "projector"};
     json_t *light = json_object();
-    air_status status = AIR_OK;
-    if ((size_t)desc->kind >= sizeof types / sizeof *types) {
-        air_warn(self->context, "%s: light \"%s\": left out, it cannot be written", self->path,
-                 desc->name);
-        json_decref(light);
-        return AIR_OK;
-    }
+    air_export_push(self, air_export_list(self, self->airlight, "lights"), light);
     air_export_put(self, light, "type", json_string(types[desc->kind]));
     air_export_name(self, light, desc->name);
     if (!desc->casts_shadow)
@@ -193,16 +227,7 @@ static air_status add_other(air_export *self, const air_light_desc *desc)
     if (!desc->camera_visible &&
         (desc->kind == AIR_LIGHT_POLYGON || desc->kind == AIR_LIGHT_ENVIRONMENT))
         air_export_put(self, light, "camera_visible", json_false());
-    if (desc->kind == AIR_LIGHT_SPOT)
-        put_spot(self, desc, light);
-    else if (desc->kind == AIR_LIGHT_COLLIMATED)
-        put_collimated(self, desc, light);
-    else if (desc->kind == AIR_LIGHT_POLYGON)
-        put_polygon(self, desc, light);
-    else
-        status = put_environment(self, desc, light);
-    air_export_push(self, air_export_list(self, self->airlight, "lights"), light);
-    return status;
+    return put_kind(self, desc, light);
 }
 
 air_status air_export_lights(air_export *self)

@@ -105,6 +105,8 @@ static air_status put_boundary(air_export *self, const air_medium_desc *desc, js
     if (boundary->kind == AIR_BOUNDARY_BOX) {
         air_export_put(self, air_export_object(self, object, "box"), "to_world",
                        air_export_rows(self, boundary->box_to_world));
+    } else if (boundary->kind == AIR_BOUNDARY_ELLIPSOID) {
+        air_export_put(self, object, "ellipsoid", air_export_rows(self, boundary->box_to_world));
     } else if (boundary->kind == AIR_BOUNDARY_CONVEX) {
         air_export_put(self, object, "planes", planes(self, boundary));
     } else {

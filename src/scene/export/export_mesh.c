@@ -6,14 +6,6 @@
 #include "core/vec.h"
 #include "scene/export/export.h"
 
-/* The arrays of a primitive. */
-typedef struct air_export_primitive {
-    const float *positions, *normals, *tangents, *uv[2], *colors;
-    size_t vertex_count;
-    const uint32_t *indices;
-    size_t triangle_count;
-} air_export_primitive;
-
 /* ---- primitives ---- */
 
 static air_status put_attribute(air_export *self, json_t *attributes, const char *key,
@@ -94,51 +86,16 @@ static bool has_shear(const float map[12])
     return false;
 }
 
-/* The triangles turned round, or NULL when memory is out. */
-static uint32_t *turn_triangles(air_context *context, const air_geometry *geometry)
-{
-    uint32_t *turned = air_allocate(context, geometry->triangle_count, 3 * sizeof *turned);
-    for (size_t t = 0; turned != NULL && t < geometry->triangle_count; ++t) {
-        turned[3 * t] = geometry->indices[3 * t];
-        turned[3 * t + 1] = geometry->indices[3 * t + 2];
-        turned[3 * t + 2] = geometry->indices[3 * t + 1];
-    }
-    return turned;
-}
-
-/* In its own space; or in the world's, where a mirroring map turned the triangles round. */
 static air_status add_mesh_primitive(air_export *self, air_mesh_record *record, bool in_world,
                                      json_t *primitives)
 {
-    const air_geometry *geometry = record->geometry;
     const air_slot_list *materials = &self->scene->lists[AIR_OBJECT_MATERIAL];
-    air_export_primitive primitive = {.positions = geometry->positions,
-                                      .normals = geometry->normals,
-                                      .tangents = geometry->tangents,
-                                      .uv = {geometry->uv[0], geometry->uv[1]},
-                                      .colors = geometry->colors,
-                                      .vertex_count = geometry->vertex_count,
-                                      .indices = geometry->indices,
-                                      .triangle_count = geometry->triangle_count};
-    uint32_t *turned = NULL;
-    air_status status = in_world ? air_mesh_record_place(record) : AIR_OK;
-    if (status == AIR_OK && in_world) {
-        primitive.positions = record->world->positions;
-        primitive.normals = record->world->normals;
-        primitive.tangents = record->world->tangents;
-        if (record->world->flip) {
-            turned = turn_triangles(self->context, geometry);
-            primitive.indices = turned;
-            status = turned == NULL ? air_fail_memory(self->context, self->path) : AIR_OK;
-        }
-    }
-    if (status == AIR_OK && primitive.normals == NULL && primitive.tangents != NULL)
-        air_warn(self->context, "%s: mesh \"%s\": tangents without normals are left out",
-                 self->path, record->base.name);
+    air_export_primitive primitive;
+    air_status status = air_export_primitive_make(self, record, in_world, &primitive);
     if (status == AIR_OK)
         status =
             add_primitive(self, &primitive, air_slot_find(materials, record->material), primitives);
-    air_free(self->context, turned);
+    air_export_primitive_finish(self, &primitive);
     return status;
 }
 
@@ -147,7 +104,26 @@ static bool is_same_node(const air_mesh_record *a, const air_mesh_record *b)
 {
     return a->node >= 0 && a->node == b->node && a->primitive < b->primitive &&
            strcmp(a->base.name, b->base.name) == 0 && air_mesh_place_equal(a, b) &&
-           a->camera_visible == b->camera_visible && a->casts_shadow == b->casts_shadow;
+           a->camera_visible == b->camera_visible && a->casts_shadow == b->casts_shadow &&
+           a->geometry->shape == AIR_SHAPE_TRIANGLES && b->geometry->shape == AIR_SHAPE_TRIANGLES;
+}
+
+/* Other programs see triangles; the reader takes the shape instead, if the node's matrix places it.
+ */
+static void put_shape(air_export *self, const air_mesh_record *record, bool in_world, json_t *node)
+{
+    const air_shape shape = record->geometry->shape;
+    if (shape == AIR_SHAPE_TRIANGLES)
+        return;
+    if (in_world) {
+        air_warn(self->context, "%s: %s \"%s\" is sheared and became triangles, %d to a turn",
+                 self->path, air_shape_name(shape), record->base.name, AIR_EXPORT_TURN);
+        return;
+    }
+    json_t *object = air_export_node_object(self, node);
+    air_export_put(self, object, "shape", json_string(air_shape_name(shape)));
+    if (record->flip_normals)
+        air_export_put(self, object, "flip_normals", json_true());
 }
 
 static void put_flags(air_export *self, const air_mesh_record *record, json_t *node)
@@ -174,6 +150,7 @@ static air_status add_node(air_export *self, size_t first, size_t end)
     if (!in_world)
         air_export_matrix(self, node, record->to_world);
     put_flags(self, record, node);
+    put_shape(self, record, in_world, node);
     air_export_put(self, node, "mesh",
                    json_integer((json_int_t)air_export_append(self, "meshes", mesh)));
     air_export_node(self, node);
