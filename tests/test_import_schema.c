@@ -12,6 +12,10 @@
     "{" GLTF_SCENE ",'nodes':[{'mesh':0,'camera':0,'extras':{'airlight':%s}}],"                    \
     "'cameras':[{'type':'perspective','perspective':{'yfov':1}}]," GLTF_CUBE "}"
 
+#define MATERIAL_ROOM                                                                              \
+    "{" GLTF_SCENE                                                                                 \
+    ",'nodes':[{'mesh':0}],'materials':[{'extras':{'airlight':%s}}]," GLTF_PAINTED_TRIANGLE "}"
+
 /* An object of the schema and a sidecar in which it has a key that nobody knows. */
 typedef struct known_object {
     const char *path; /* from the top of the schema: keys with spaces between */
@@ -50,6 +54,11 @@ static const known_object objects[] = {
 static const known_object node_objects[] = {
     {"$defs node", "{'?':1}"},
     {"$defs film", "{'film':{'?':1}}"},
+};
+
+/* And for those of materials. */
+static const known_object material_objects[] = {
+    {"$defs material", "{'?':1}"},
 };
 
 static json_t *read_schema(air_context *context)
@@ -110,7 +119,8 @@ static void compare(json_t *object, const char *message, const char *path)
                  message);
 }
 
-static void check_object(json_t *schema, const known_object *object, bool on_node)
+/* room: a scene with a place for the object, or NULL: in a sidecar. */
+static void check_object(json_t *schema, const known_object *object, const char *room)
 {
     static const float value = 1.0f;
     import_fixture f;
@@ -119,11 +129,11 @@ static void check_object(json_t *schema, const known_object *object, bool on_nod
     import_init(&f);
     import_serve_cube(&f, cube);
     import_serve(&f, "a.raw", &value, sizeof value);
-    strcpy(text, on_node ? "{}" : object->text);
+    strcpy(text, room != NULL ? "{}" : object->text);
     import_quotes(text);
     import_serve(&f, "room.airlight.json", text, strlen(text));
-    if (on_node)
-        assert_int_equal(import_format(&f, NODE_ROOM, object->text), AIR_ERROR_FORMAT);
+    if (room != NULL)
+        assert_int_equal(import_format(&f, room, object->text), AIR_ERROR_FORMAT);
     else
         assert_int_equal(import_text(&f, CUBE_ROOM), AIR_ERROR_FORMAT);
     compare(descend(schema, object->path), f.said[AIR_MESSAGE_ERROR], object->path);
@@ -137,9 +147,11 @@ static void the_published_schema_has_the_keys_that_the_reader_knows(void **state
     assert_int_equal(air_context_create(NULL, &plain), AIR_OK);
     json_t *schema = read_schema(plain);
     for (size_t i = 0; i < sizeof objects / sizeof objects[0]; ++i)
-        check_object(schema, &objects[i], false);
+        check_object(schema, &objects[i], NULL);
     for (size_t i = 0; i < sizeof node_objects / sizeof node_objects[0]; ++i)
-        check_object(schema, &node_objects[i], true);
+        check_object(schema, &node_objects[i], NODE_ROOM);
+    for (size_t i = 0; i < sizeof material_objects / sizeof material_objects[0]; ++i)
+        check_object(schema, &material_objects[i], MATERIAL_ROOM);
     json_decref(schema);
     air_context_destroy(plain);
 }

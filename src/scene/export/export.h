@@ -113,7 +113,7 @@ json_t *air_export_string(air_export *self, const char *text);
 void air_export_name(air_export *self, json_t *object, const char *name);
 /* object["extensions"][name], and the file says that it is used; borrowed. */
 json_t *air_export_extension(air_export *self, json_t *object, const char *name);
-/* The airlight object in the extras of a node; borrowed. */
+/* The airlight object in the extras of a node, a scene or a material; borrowed. */
 json_t *air_export_node_object(air_export *self, json_t *node);
 /* node["matrix"], unless it is the identity. */
 void air_export_matrix(air_export *self, json_t *node, const float map[12]);
@@ -159,10 +159,11 @@ air_status air_export_texture_info(air_export *self, const air_texture_ref *refe
 float air_export_texture_peak(const air_export *self, air_handle handle);
 
 air_status air_export_materials(air_export *self);
-/* The metallic-roughness material that comes nearest to one of another model, with a warning of
- * what it became. */
+/* The metallic-roughness material that comes nearest to one of another model. */
 void air_export_nearest_material(const air_export *self, const air_material_desc *desc,
                                  air_material_desc *out);
+/* The airlight object in the extras of a material, where glTF's words do not do. */
+air_status air_export_model(air_export *self, const air_material_desc *desc, json_t *material);
 air_status air_export_meshes(air_export *self);
 /* A node with the boundary of a medium, which other programs do not see; *out_name belongs to the
  * JSON. */

@@ -127,6 +127,8 @@ static air_status add_material(air_export *self, const air_material_record *reco
         status = put_emission(self, &desc, material);
     if (status == AIR_OK)
         status = put_interface(self, &desc, material);
+    if (status == AIR_OK)
+        status = air_export_model(self, &record->desc, material);
     put_alpha(self, &desc, material);
     (void)air_export_append(self, "materials", material);
     return status;

@@ -1,4 +1,5 @@
-/* export_model.c: materials of other models than glTF's, by what comes nearest to them. */
+/* export_model.c: materials of other models than glTF's: for other programs by what comes nearest
+ * to them, for ours in an airlight object. */
 #include <math.h>
 
 #include "scene/export/export.h"
@@ -93,47 +94,94 @@ static void from_blend(const air_export *self, const air_material_desc *desc,
         from_model(part_of(self, desc, i), &parts[i]);
     }
     *out = parts[share > 0.5f];
-    for (size_t i = 0; i < 4; ++i)
+    for (size_t i = 0; i < 3; ++i)
         out->base_color[i] = mix(parts[0].base_color[i], parts[1].base_color[i], share);
     for (size_t i = 0; i < 3; ++i)
         out->emission[i] = desc->emission[i];
     out->emission_texture = desc->emission_texture;
+    out->base_color[3] = desc->base_color[3]; /* coverage is the blend's own */
+    out->opacity_texture = desc->opacity_texture;
+    out->alpha_mode = desc->alpha_mode;
+    out->alpha_cutoff = desc->alpha_cutoff;
+    out->double_sided = desc->double_sided;
     out->metallic = mix(parts[0].metallic, parts[1].metallic, share);
     out->roughness = mix(parts[0].roughness, parts[1].roughness, share);
     out->transmission = mix(parts[0].transmission, parts[1].transmission, share);
-}
-
-static const char *const became[] = {
-    [AIR_MATERIAL_DIELECTRIC] = "a dielectric, which became KHR_materials_transmission and _volume",
-    [AIR_MATERIAL_THIN_DIELECTRIC] = "a thin dielectric, which became KHR_materials_transmission",
-    [AIR_MATERIAL_CONDUCTOR] = "a conductor, which became metal of its reflectance seen head-on",
-    [AIR_MATERIAL_PLASTIC] = "a plastic, which became glTF's dielectric with its base colour",
-    [AIR_MATERIAL_BLEND] = "a blend, which became one material with the numbers of both mixed",
-    [AIR_MATERIAL_NULL] = "nothing at all, which became a surface with alpha 0",
-};
-
-static void warn_of_textures(const air_export *self, const air_material_desc *desc)
-{
-    const struct {
-        const air_texture_ref *reference;
-        const char *what;
-    } slots[] = {{&desc->bump_texture, "bump"}, {&desc->blend_texture, "blend"}};
-    for (size_t i = 0; i < sizeof slots / sizeof *slots; ++i)
-        if (slots[i].reference->texture != AIR_NONE)
-            air_warn(self->context, "%s: material \"%s\": its %s texture is left out", self->path,
-                     desc->name, slots[i].what);
 }
 
 void air_export_nearest_material(const air_export *self, const air_material_desc *desc,
                                  air_material_desc *out)
 {
     *out = *desc;
-    warn_of_textures(self, desc);
-    if (desc->model == AIR_MATERIAL_METALLIC_ROUGHNESS)
-        return;
-    air_warn(self->context, "%s: material \"%s\" is %s", self->path, desc->name,
-             became[desc->model]);
     if (desc->model == AIR_MATERIAL_BLEND)
         from_blend(self, desc, out);
     from_model(desc, out);
+}
+
+/* ---- the airlight object ---- */
+
+/* In the order of air_material_model. */
+static const char *const models[] = {
+    "metallic_roughness", "dielectric", "thin_dielectric", "conductor", "plastic", "blend", "null"};
+
+static void put_facets(air_export *self, const air_material_desc *desc, json_t *object)
+{
+    const float alpha[2] = {desc->alpha_u, desc->alpha_v};
+    if (desc->microfacets == AIR_MICROFACETS_BECKMANN)
+        air_export_put(self, object, "microfacets", json_string("beckmann"));
+    air_export_put(self, object, "alpha", air_export_floats(self, alpha, 2));
+    air_export_put(self, object, "reflectance", air_export_color(self, desc->reflectance));
+    if (desc->model == AIR_MATERIAL_CONDUCTOR) {
+        air_export_put(self, object, "eta", air_export_color(self, desc->eta));
+        air_export_put(self, object, "absorption", air_export_color(self, desc->absorption));
+        return;
+    }
+    air_export_put(self, object, "ior", json_real((double)desc->ior));
+    air_export_put(self, object, "transmittance", air_export_color(self, desc->transmittance));
+    if (desc->model == AIR_MATERIAL_PLASTIC && desc->nonlinear)
+        air_export_put(self, object, "nonlinear", json_true());
+}
+
+static air_status put_texture(air_export *self, json_t *object, const char *key,
+                              const air_texture_ref *reference)
+{
+    const air_export_texture way = {.srgb = false, .scale = 1.0f};
+    json_t *info = NULL;
+    const air_status status = air_export_texture_info(self, reference, &way, &info);
+    if (info != NULL)
+        air_export_put(self, object, key, info);
+    return status;
+}
+
+static air_status put_blend(air_export *self, const air_material_desc *desc, json_t *object)
+{
+    const air_slot_list *list = &self->scene->lists[AIR_OBJECT_MATERIAL];
+    json_t *parts = air_export_list(self, object, "blend");
+    for (size_t i = 0; i < 2; ++i)
+        air_export_push(self, parts, json_integer((json_int_t)air_slot_find(list, desc->blend[i])));
+    air_export_put(self, object, "weight", json_real((double)desc->blend_weight));
+    return put_texture(self, object, "weight_texture", &desc->blend_texture);
+}
+
+air_status air_export_model(air_export *self, const air_material_desc *desc, json_t *material)
+{
+    const bool own = desc->model != AIR_MATERIAL_METALLIC_ROUGHNESS;
+    const bool bumped = desc->bump_texture.texture != AIR_NONE;
+    air_status status = AIR_OK;
+    if (!own && !bumped && !desc->one_sided)
+        return AIR_OK;
+    json_t *object = air_export_node_object(self, material);
+    if (own)
+        air_export_put(self, object, "model", json_string(models[desc->model]));
+    if (desc->one_sided)
+        air_export_put(self, object, "one_sided", json_true());
+    if (desc->model == AIR_MATERIAL_BLEND)
+        status = put_blend(self, desc, object);
+    else if (own && desc->model != AIR_MATERIAL_NULL)
+        put_facets(self, desc, object);
+    if (status == AIR_OK && bumped) {
+        air_export_put(self, object, "bump_scale", json_real((double)desc->bump_scale));
+        status = put_texture(self, object, "bump_texture", &desc->bump_texture);
+    }
+    return status;
 }

@@ -117,6 +117,11 @@ air_status air_gltf_add_mesh(air_gltf *gltf, const air_import_object *object);
 air_status air_gltf_append_geometry(void *user, const air_import_object *object,
                                     air_import_geometry *geometry);
 
+/* ---- gltf_model.c ---- */
+
+/* What the airlight object in the extras of a material says. */
+air_status air_gltf_read_model(air_gltf *gltf, const air_json *material, air_material_desc *desc);
+
 /* ---- gltf_node.c ---- */
 
 /* Walks the chosen scene: collects objects and the sidecars in extras. */

@@ -193,7 +193,7 @@ static air_status read_material(air_gltf *gltf, const air_json *at, air_material
         status = read_alpha(at, desc);
     if (status == AIR_OK)
         status = air_json_bool(&double_sided, &desc->double_sided);
-    return status;
+    return status == AIR_OK ? air_gltf_read_model(gltf, at, desc) : status;
 }
 
 air_status air_gltf_material(air_gltf *gltf, size_t index, air_handle *out_handle)
