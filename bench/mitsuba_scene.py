@@ -3,7 +3,6 @@ one's own. Needs NumPy."""
 
 import os
 import re
-import struct
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -44,15 +43,20 @@ def _homogeneous(medium):
     return bool(np.ptp(extinction) > 0)
 
 
-def _clamped_volume(path, folder):
-    """A grid without negative values, for Mitsuba does not mind them; its number of channels."""
+def _volume(path, folder):
+    """A grid without negative values, which Mitsuba does not mind, whose box is larger by half a
+    cell on each side: its first and last values lie on the sides, as they did in the older dialects.
+    Path and number of channels."""
     with open(path, "rb") as file:
         data = file.read()
-    (channels,) = struct.unpack_from("<i", data, 20)
+    size, channels = np.frombuffer(data, "<i4", 3, 8), int(np.frombuffer(data, "<i4", 1, 20)[0])
+    box = np.frombuffer(data, "<f4", 6, 24).astype(np.float64).reshape(2, 3)
+    margin = (box[1] - box[0]) / np.maximum(size - 1, 1) / 2.0
+    box = np.stack([box[0] - margin, box[1] + margin]).astype("<f4")
     values = np.maximum(np.frombuffer(data, "<f4", offset=48), 0.0)
     out = os.path.join(folder, os.path.basename(path))
     with open(out, "wb") as file:
-        file.write(data[:48] + values.astype("<f4").tobytes())
+        file.write(data[:24] + box.tobytes() + values.astype("<f4").tobytes())
     return out, channels
 
 
@@ -65,7 +69,7 @@ def _heterogeneous(medium, folder):
             density = child.get("name") == "density"
             child.set("name", "sigma_t" if density else child.get("name"))
             for file in child.findall("string[@name='filename']"):
-                path, channels = _clamped_volume(file.get("value"), folder)
+                path, channels = _volume(file.get("value"), folder)
                 file.set("value", path)
                 coloured = coloured or (density and channels == 3)
                 ElementTree.SubElement(child, "boolean", name="use_grid_bbox", value="true")

@@ -188,6 +188,32 @@ static void a_mirrored_camera_sees_the_mirrored_picture(void **state)
     air_context_destroy(context);
 }
 
+/* Whatever the pixel, and the place of the lens. */
+static void rays_begin_in_the_near_plane(void **state)
+{
+    (void)state;
+    air_camera camera = {.kind = AIR_CAMERA_PERSPECTIVE,
+                         .to_world = {1, 0, 0, 3, 0, 1, 0, 4, 0, 0, 1, 5},
+                         .fov_y_rad = 1.0f,
+                         .lens_radius = 0.2f,
+                         .focus_distance = 3.0f,
+                         .near_distance = 0.75f};
+    air_camera_view view;
+    air_camera_view_init(&camera, 64, 48, &view);
+    for (int i = 0; i < 48; i++) {
+        air_vec3 origin, dir, plain_origin, plain_dir;
+        const float u = (float)i / 48.0f;
+        air_camera_view_lens_ray(&view, (float)i, 31.0f, u, 0.3f, &origin, &dir);
+        assert_true(fabsf(origin.z - (5.0f - 0.75f)) < 1e-5f);
+        camera.near_distance = 0.0f;
+        air_camera_view at_eye;
+        air_camera_view_init(&camera, 64, 48, &at_eye);
+        air_camera_view_lens_ray(&at_eye, (float)i, 31.0f, u, 0.3f, &plain_origin, &plain_dir);
+        assert_near(dir, plain_dir, 0.0f);
+        assert_near(vec3_cross(vec3_sub(origin, plain_origin), dir), vec3_set1(0.0f), 1e-5f);
+    }
+}
+
 static void bad_cameras_are_refused_by_field(void **state)
 {
     air_context *context = fixture_context();
@@ -348,6 +374,7 @@ int main(void)
         cmocka_unit_test(nothing_to_frame_still_gives_a_camera),
         cmocka_unit_test(scale_shear_and_mirroring_of_cameras_are_dropped),
         cmocka_unit_test(a_mirrored_camera_sees_the_mirrored_picture),
+        cmocka_unit_test(rays_begin_in_the_near_plane),
         cmocka_unit_test(bad_cameras_are_refused_by_field),
         cmocka_unit_test(rays_through_a_lens_meet_in_the_plane_of_focus),
         cmocka_unit_test(the_circle_of_confusion_has_its_size),

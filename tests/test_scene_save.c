@@ -389,6 +389,8 @@ static void cameras_stay_where_they_are(void **state)
         desc.aspect = saved_random_between(&random, 0.2f, 5.0f);
         desc.lens_radius = i % 4 == 0 ? 0.03f : 0.0f;
         desc.focus_distance = i % 4 == 0 ? 7.7f : 1.0f;
+        desc.near_distance = i % 3 == 0 ? 0.7f : 0.0f;
+        desc.mirrored = i % 2 == 0;
         if (i % 3 == 0)
             desc.film = (air_film_hint){.known = true,
                                         .width = 640,

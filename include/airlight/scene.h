@@ -185,6 +185,7 @@ typedef struct air_camera_desc {
     air_camera_kind kind;
     float to_world[12];   /* looks along its local -Z, +Y up; scale and mirroring are ignored */
     bool mirrored;        /* left and right change places; default false */
+    float near_distance;  /* metres along -Z at which rays begin; default 0: at the eye */
     float fov_y_rad;      /* perspective: vertical field of view, (0, pi) */
     float half_height;    /* orthographic: half of the height seen, metres */
     float lens_radius;    /* perspective: of a thin lens, metres; default 0: a pinhole */

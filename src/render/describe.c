@@ -280,6 +280,8 @@ static json_t *describe_cameras(const air_snapshot *snapshot)
         set_if(object, perspective && camera->lens_radius > 0.0f, "focus_distance",
                number(camera->focus_distance));
         set_if(object, camera->mirrored, "mirrored", json_true());
+        set_if(object, camera->near_distance > 0.0f, "near_distance",
+               number(camera->near_distance));
         set_if(object, camera->framed, "frames_the_bounds", json_true());
         json_array_append_new(array, object);
     }

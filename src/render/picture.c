@@ -22,6 +22,9 @@ static uint64_t settings_hash(const air_picture *picture)
         const float lens[] = {view->lens_radius, view->focus_distance};
         hash = air_fingerprint_add(hash, lens, sizeof lens);
     }
+    if (view->near_distance > 0.0f) {
+        hash = air_fingerprint_add(hash, &view->near_distance, sizeof view->near_distance);
+    }
     hash = air_fingerprint_add(hash, &p->filter_radius, sizeof p->filter_radius);
     if (p->area_table != NULL) {
         hash = air_fingerprint_add(hash, p->area_table->knots, sizeof p->area_table->knots);

@@ -49,9 +49,8 @@ static void set_map_columns(float map[12], const air_vec3 columns[4])
     }
 }
 
-/* Are the axes perpendicular, of length 1, and right-handed unless mirrored, but for the rounding
- * of floats? */
-static bool is_orthonormal(const float map[12], bool mirrored)
+/* Are the axes perpendicular and of length 1, but for the rounding of floats? */
+static bool is_orthonormal(const float map[12])
 {
     for (size_t i = 0; i < 3; ++i) {
         for (size_t j = 0; j <= i; ++j) {
@@ -62,7 +61,7 @@ static bool is_orthonormal(const float map[12], bool mirrored)
                 return false;
         }
     }
-    return (affine_determinant(map) < 0.0) == mirrored;
+    return true;
 }
 
 /* Keeps the viewing direction and the side that is up; drops scale, shear and mirroring but for
@@ -70,8 +69,12 @@ static bool is_orthonormal(const float map[12], bool mirrored)
  * these stays as it is, so that a camera that is told on does not move. */
 static bool orthonormalize(float map[12], bool mirrored)
 {
-    if (is_orthonormal(map, mirrored))
+    if (is_orthonormal(map)) {
+        if ((affine_determinant(map) < 0.0) != mirrored)
+            for (size_t row = 0; row < 3; ++row)
+                map[4 * row] = -map[4 * row];
         return true;
+    }
     const air_vec3 back = map_column(map, 2), up = map_column(map, 1);
     const air_vec3 z =
         vec3_scale(back, 1.0f / vec3_max(vec3(fabsf(back.x), fabsf(back.y), fabsf(back.z))));
@@ -111,6 +114,9 @@ static air_status check_lens(const air_subject *subject, const air_camera_desc *
     if (!(desc->focus_distance > 0.0f && isfinite(desc->focus_distance)))
         return air_subject_fail(subject, "focus_distance is %g, but must be above 0 and finite",
                                 (double)desc->focus_distance);
+    if (!(desc->near_distance >= 0.0f && isfinite(desc->near_distance)))
+        return air_subject_fail(subject, "near_distance is %g, but must be at least 0 and finite",
+                                (double)desc->near_distance);
     return AIR_OK;
 }
 
@@ -189,7 +195,8 @@ bool air_camera_equal(const air_camera_desc *a, const air_camera_desc *b)
                                 ? a->fov_y_rad == b->fov_y_rad && lens_equal(a, b)
                                 : a->half_height == b->half_height;
     return a->kind == b->kind && size_equal && a->mirrored == b->mirrored &&
-           a->aspect == b->aspect && film_equal(&a->film, &b->film) &&
+           a->near_distance == b->near_distance && a->aspect == b->aspect &&
+           film_equal(&a->film, &b->film) &&
            air_bytes_equal(a->to_world, b->to_world, sizeof a->to_world);
 }
 
@@ -253,6 +260,8 @@ void air_camera_view_init(const air_camera *camera, size_t width, size_t height,
     out_view->step_y = vec3_scale(up, -pixel);
     out_view->lens_radius = perspective ? camera->lens_radius : 0.0f;
     out_view->focus_distance = camera->focus_distance;
+    out_view->near_distance = camera->near_distance;
     out_view->right = right;
     out_view->up = up;
+    out_view->axis = vec3_neg(back);
 }

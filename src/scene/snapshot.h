@@ -82,6 +82,7 @@ typedef struct air_camera {
     air_camera_kind kind;
     float to_world[12]; /* orthonormal; left-handed if mirrored */
     bool mirrored;
+    float near_distance;
     float fov_y_rad, half_height, aspect;
     float lens_radius, focus_distance;
     air_film_hint film;

@@ -46,6 +46,11 @@ static void put_rest(air_export *self, const air_camera_desc *desc, json_t *node
         air_export_put(self, object, "lens_radius", json_real((double)desc->lens_radius));
         air_export_put(self, object, "focus_distance", json_real((double)desc->focus_distance));
     }
+    if (desc->mirrored)
+        air_export_put(self, air_export_node_object(self, node), "mirrored", json_true());
+    if (desc->near_distance > 0.0f)
+        air_export_put(self, air_export_node_object(self, node), "near_distance",
+                       json_real((double)desc->near_distance));
     if (desc->film.known)
         put_film(self, &desc->film, air_export_node_object(self, node));
 }

@@ -136,6 +136,8 @@ air_status air_gltf_add_camera(air_gltf *gltf, const air_import_object *object)
     desc.lens_radius = object->lens_radius;
     if (object->focus_distance > 0.0f)
         desc.focus_distance = object->focus_distance;
+    desc.near_distance = object->near_distance;
+    desc.mirrored = object->mirrored;
     desc.film = object->film;
     memcpy(desc.to_world, object->to_world, sizeof desc.to_world);
     status = air_scene_add_camera(gltf->import->scene, &desc, &handle);

@@ -22,6 +22,8 @@ typedef struct air_import_object {
     air_shape shape;                   /* in place of the mesh's triangles */
     bool flip_normals;                 /* of the shape */
     float lens_radius, focus_distance; /* of the camera; 0: not said */
+    float near_distance;               /* likewise */
+    bool mirrored;                     /* likewise */
     air_film_hint film;
 } air_import_object;
 

@@ -165,9 +165,9 @@ static air_status check_version(const air_json *root)
 static air_status check_shape(const air_sidecar *sidecar, const air_json *root)
 {
     static const char *const node_keys[] = {
-        "media",       "lights",         "camera",       "objects", "version",
-        "medium",      "camera_visible", "casts_shadow", "shape",   "flip_normals",
-        "lens_radius", "focus_distance", "film"};
+        "media",       "lights",         "camera",        "objects",  "version",
+        "medium",      "camera_visible", "casts_shadow",  "shape",    "flip_normals",
+        "lens_radius", "focus_distance", "near_distance", "mirrored", "film"};
     const size_t node_key_count = sizeof node_keys / sizeof node_keys[0];
     const air_json media = air_json_get(root, "media");
     const air_json lights = air_json_get(root, "lights");

@@ -67,6 +67,7 @@ static air_status read_lens(const air_json *at, air_camera_desc *desc)
     const air_json height_at = air_json_get(at, "half_height");
     const air_json aspect_at = air_json_get(at, "aspect");
     const air_json mirrored_at = air_json_get(at, "mirrored");
+    const air_json near_at = air_json_get(at, "near_distance");
     double fov = 0.0;
     if ((fov_at.value != NULL) == (height_at.value != NULL))
         return air_json_fail(
@@ -81,6 +82,8 @@ static air_status read_lens(const air_json *at, air_camera_desc *desc)
         status = air_json_float(&aspect_at, AIR_JSON_POSITIVE, &desc->aspect);
     if (status == AIR_OK)
         status = air_json_bool(&mirrored_at, &desc->mirrored);
+    if (status == AIR_OK)
+        status = air_json_float(&near_at, AIR_JSON_NON_NEGATIVE, &desc->near_distance);
     if (status != AIR_OK)
         return status;
     desc->kind = fov_at.value != NULL ? AIR_CAMERA_PERSPECTIVE : AIR_CAMERA_ORTHOGRAPHIC;
@@ -91,9 +94,9 @@ static air_status read_lens(const air_json *at, air_camera_desc *desc)
 
 air_status air_sidecar_add_camera(const air_sidecar_part *part)
 {
-    static const char *const keys[] = {"name",           "position",    "look_at", "up",
-                                       "fov_y_degrees",  "half_height", "aspect",  "lens_radius",
-                                       "focus_distance", "mirrored"};
+    static const char *const keys[] = {
+        "name",   "position",    "look_at",        "up",       "fov_y_degrees", "half_height",
+        "aspect", "lens_radius", "focus_distance", "mirrored", "near_distance"};
     const air_json name_at = air_json_get(part->at, "name");
     air_camera_desc desc;
     air_camera_desc_default(&desc);

@@ -99,8 +99,8 @@ static air_status read_lens(const air_mitsuba *mitsuba, const air_xml *at, air_c
 air_status air_mitsuba_add_sensor(air_mitsuba *mitsuba, air_xml *at, const char *name)
 {
     static const char *const types[] = {"perspective", "thinlens", "orthographic"};
-    static const char *const ignored[] = {"near_clip",    "far_clip",      "focus_distance",
-                                          "shutter_open", "shutter_close", "srf"};
+    static const char *const ignored[] = {"far_clip", "focus_distance", "shutter_open",
+                                          "shutter_close", "srf"};
     air_camera_desc desc;
     air_handle handle = AIR_NONE;
     air_xml *medium = NULL;
@@ -123,10 +123,12 @@ air_status air_mitsuba_add_sensor(air_mitsuba *mitsuba, air_xml *at, const char 
     const double aspect = (double)desc.film.width / (double)desc.film.height;
     double tangent = 0.0;
     desc.aspect = (float)aspect;
+    desc.near_distance = 1e-2f;
+    status = air_mitsuba_float(mitsuba, at, "near_clip", &desc.near_distance);
     desc.mirrored = affine_determinant(desc.to_world) < 0.0;
     if (air_mitsuba_is(at, "orthographic"))
         set_orthographic(aspect, &desc);
-    else
+    else if (status == AIR_OK)
         status = air_mitsuba_read_fov(mitsuba, at, aspect, &tangent);
     if (desc.kind == AIR_CAMERA_PERSPECTIVE)
         desc.fov_y_rad = (float)(2.0 * atan(tangent));
