@@ -151,6 +151,17 @@ def film_size(path):
     return number("width"), number("height"), None if depth in (None, -1) else depth - 1
 
 
+def thinner(path, out, factor):
+    """Writes a scene whose media with a scale above 1 have so many times less of everything; for
+    scenes without further files."""
+    tree = ElementTree.parse(path)
+    for medium in tree.getroot().iter("medium"):
+        for scale in medium.findall("float[@name='scale']"):
+            if float(scale.get("value")) > 1.0:
+                scale.set("value", repr(float(scale.get("value")) / factor))
+    tree.write(out)
+
+
 def write(path, out, width, height, depth):
     """Writes a scene for Mitsuba 3 to `out`; depth: events that are counted at most, None: all."""
     folder = os.path.dirname(os.path.abspath(out))
