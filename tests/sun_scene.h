@@ -22,6 +22,7 @@ typedef struct sun_scene {
     bool mirrored; /* that one comes by a transform that mirrors */
     bool mixture;  /* the first medium's phase function is one of three lobes */
     bool matte;    /* surfaces reflect evenly, without highlights */
+    float near_distance; /* of the camera */
 } sun_scene;
 
 static inline sun_scene sun_scene_default(void)
@@ -254,6 +255,7 @@ static inline air_status sun_scene_make(air_context *context, const sun_scene *s
     air_camera_desc_default(&camera);
     memcpy(camera.to_world, s->camera_inside ? inside : outside, sizeof camera.to_world);
     camera.fov_y_rad = s->camera_inside ? 1.2f : 0.6f;
+    camera.near_distance = s->near_distance;
     status = status == AIR_OK ? air_scene_add_camera(scene, &camera, &handle) : status;
     status = status == AIR_OK ? air_scene_commit(scene, out_snapshot, NULL) : status;
     air_scene_destroy(scene);

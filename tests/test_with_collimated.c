@@ -246,6 +246,34 @@ static void moments_come_near(void **state)
     air_context_destroy(context);
 }
 
+/* A near plane in front of the haze cuts nothing off: the picture stays but for the rounding of
+ * where rays begin, 1e-7 of some 5 m. */
+static void moments_know_where_rays_begin(void **state)
+{
+    (void)state;
+    static const char *const modes[] = {"collimated:me", "collimated:me6-ideal"};
+    air_context *context = make_context(2, NULL);
+    for (size_t k = 0; k < sizeof modes / sizeof *modes; k++) {
+        sun_scene s = scene_number(7);
+        air_render_params params = picture(modes[k], 16);
+        double means[2];
+        params.terms = 1u << AIR_TERM_M1;
+        for (int i = 0; i < 2; i++) {
+            air_snapshot *snapshot;
+            s.near_distance = i == 0 ? 0.0f : 2.5f;
+            assert_int_equal(sun_scene_make(context, &s, &snapshot), AIR_OK);
+            air_image *image = render(context, snapshot, &params);
+            means[i] = layer_mean(image, "M1");
+            air_image_destroy(image);
+            air_snapshot_release(snapshot);
+        }
+        if (!(fabs(means[1] - means[0]) < 1e-5 * means[0])) {
+            fail_msg("%s: %g behind a near plane, %g without", modes[k], means[1], means[0]);
+        }
+    }
+    air_context_destroy(context);
+}
+
 /* ---- the same bytes ---- */
 
 static void assert_same_film(const air_film *a, const air_film *b)
@@ -370,6 +398,7 @@ int main(void)
         cmocka_unit_test(ratio_and_plain_modes_mix),
         cmocka_unit_test(exact_pictures_have_no_noise),
         cmocka_unit_test(moments_come_near),
+        cmocka_unit_test(moments_know_where_rays_begin),
         cmocka_unit_test(threads_tiles_and_splits_change_no_byte),
         cmocka_unit_test(terms_rendered_apart_are_those_of_the_whole),
         cmocka_unit_test(nothing_is_ever_not_finite),

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "core/phase.h"
+#include "core/triple.h"
 #include "path/ray_media.h"
 #include "render/collimated/state.h"
 
@@ -292,10 +293,16 @@ static void add_stretch(const air_with_collimated *with, air_collimated_scratch 
 
 /* ---- moments ---- */
 
+/* Moments count from the eye, profiles from where a ray begins: at the near plane. */
+typedef struct eye_profile {
+    const air_collimated_profile *profile;
+    double begin; /* of the ray, from the eye */
+} eye_profile;
+
 static double own_weight(void *user, double t)
 {
-    const air_collimated_profile *profile = user;
-    return air_collimated_integrand(profile, t);
+    const eye_profile *own = user;
+    return air_collimated_integrand(own->profile, t - own->begin);
 }
 
 /* The stretch less the share of it that the moments hold for shadow. */
@@ -307,12 +314,16 @@ static void add_bounded(const air_with_collimated *with, const collimated_beam *
                                                      : (air_interval){part.begin, part.begin};
     double share = 0.0, parts[3];
     if (asked.begin < asked.end) {
+        double way[3];
         air_moment_choice choice;
+        air_subtract3(b->origin, lamp->eye, way);
+        eye_profile own = {&b->profiles[0], air_length3(way)};
+        const double begin = asked.begin + own.begin, end = asked.end + own.begin;
         air_moment_choice_default(&choice);
         share = collimated_own_weights(lamp->mode)
-                    ? air_moment_shadow_weighted(lamp->moments, b->dir, asked.begin, asked.end,
-                                                 own_weight, &b->profiles[0], &choice)
-                    : air_moment_shadow(lamp->moments, b->dir, asked.begin, asked.end, &choice);
+                    ? air_moment_shadow_weighted(lamp->moments, b->dir, begin, end, own_weight,
+                                                 &own, &choice)
+                    : air_moment_shadow(lamp->moments, b->dir, begin, end, &choice);
     }
     for (size_t c = 0; c < 3; c++) {
         const air_collimated_profile *profile = &b->profiles[c < with->channels ? c : 0];

@@ -93,6 +93,7 @@ air_status air_collimated_moments_make(const air_with_collimated *with, collimat
     }
     air_moment_params_default(six ? 6 : 4, &params);
     vec3_store64(params.origin, view->origin);
+    memcpy(lamp->eye, params.origin, sizeof lamp->eye);
     memcpy(params.to_light, lamp->to_light, sizeof params.to_light);
     fit(with, lamp, &params);
     height_job job = {with, &params, start_height(with->snapshot, &params), NULL};

@@ -13,6 +13,7 @@ typedef struct collimated_lamp {
     double to_light[3];
     air_shadow_view shadows; /* exact mode, and the box for moments */
     air_moment_map *moments; /* moment modes, else NULL; owned */
+    double eye[3];           /* where they have all rays begin */
 } collimated_lamp;
 
 /* Of moments: does each ray weigh them by its own extinction? */
