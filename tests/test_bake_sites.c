@@ -170,6 +170,24 @@ static void buried_samples_are_left_out_unless_few(void **state)
     end(&self);
 }
 
+/* What stands in a case of glass is no part of it. */
+static void what_is_in_glass_is_not_buried(void **state)
+{
+    const row place = {1.0f, false};
+    work self;
+    (void)state;
+    for (int glass = 0; glass < 2; glass++) {
+        air_site_list list;
+        begin(&self, false);
+        air_material *material = &self.snapshot->materials[self.snapshot->meshes[0]->material];
+        material->model = glass ? AIR_MATERIAL_DIELECTRIC : AIR_MATERIAL_METALLIC_ROUGHNESS;
+        float *records = run(&self, &place, 1, 16, &list);
+        bake_assert_near("validity", (double)records[AIR_SITE_VALIDITY], (double)glass, 0.0);
+        air_free(self.host.context, records);
+        end(&self);
+    }
+}
+
 static void sites_without_a_place_are_black_and_not_valid(void **state)
 {
     const row place = {0.0f, true};
@@ -253,6 +271,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(radiance_comes_back_from_irradiance_on_the_axes),
         cmocka_unit_test(buried_samples_are_left_out_unless_few),
+        cmocka_unit_test(what_is_in_glass_is_not_buried),
         cmocka_unit_test(sites_without_a_place_are_black_and_not_valid),
         cmocka_unit_test(records_do_not_depend_on_the_others),
         cmocka_unit_test(variance_is_that_of_independent_samples),

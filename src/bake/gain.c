@@ -2,6 +2,7 @@
 
 #include "core/harmonics.h"
 #include "path/receiver.h"
+#include "scene/material.h"
 
 /* Light of radiance over density from one direction. */
 static void add_light(air_gain *gain, const air_path_receiver *receiver, air_light_layer layer,
@@ -166,6 +167,6 @@ bool air_gain_is_buried(const air_snapshot *snapshot, const air_path_lane *lane)
     const air_mesh *mesh = snapshot->meshes[lane->hit.mesh];
     const float along = vec3_dot(vec3_load(lane->hit.normal), lane->dir);
     const air_material *material = &snapshot->materials[mesh->material];
-    return !material->double_sided && material->alpha_mode == AIR_ALPHA_OPAQUE &&
-           (mesh->flip ? along < 0.0f : along > 0.0f);
+    return !material->double_sided && !air_material_lets_through(material) &&
+           material->alpha_mode == AIR_ALPHA_OPAQUE && (mesh->flip ? along < 0.0f : along > 0.0f);
 }

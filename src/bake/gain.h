@@ -27,7 +27,8 @@ void air_gain_add(air_gain *gain, const air_path_lane *lane, size_t count);
 void air_gain_merge(air_gain *gain, const air_gain *other, size_t count);
 
 /* Did the lane's first ray meet the back of a surface that has a front only? Then it started inside
- * of something solid. Leaves and the like, which have holes, enclose nothing. */
+ * of something solid. Leaves and the like, which have holes, enclose nothing; what is in glass is
+ * seen. */
 bool air_gain_is_buried(const air_snapshot *snapshot, const air_path_lane *lane);
 
 #endif

@@ -43,4 +43,13 @@ static inline bool air_material_is_emitter(const air_material *material)
            !vec3_is_zero(material->emission);
 }
 
+/* May light pass surfaces of this material, apart from their coverage? */
+static inline bool air_material_lets_through(const air_material *material)
+{
+    return material->model == AIR_MATERIAL_DIELECTRIC ||
+           material->model == AIR_MATERIAL_THIN_DIELECTRIC ||
+           material->model == AIR_MATERIAL_BLEND || material->model == AIR_MATERIAL_NULL ||
+           material->transmission > 0.0f;
+}
+
 #endif
