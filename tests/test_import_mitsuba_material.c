@@ -28,10 +28,15 @@ static void surfaces_have_a_side(void **state)
                   CUBE("<bsdf type='diffuse'/>") CUBE("<bsdf type='conductor'/>")
                       CUBE("<bsdf type='dielectric'/>")
                           CUBE("<bsdf type='twosided'><bsdf type='plastic' id='p'/></bsdf>")
-                              CUBE("<ref id='p'/>"));
-    const bool one_sided[] = {true, true, false, false, true};
-    for (size_t i = 0; i < 5; ++i)
+                              CUBE("<ref id='p'/>")
+                                  CUBE("<bsdf type='twosided'><bsdf type='diffuse'/></bsdf>"
+                                       "<emitter type='area'/>"));
+    const bool one_sided[] = {true, true, false, false, true, false};
+    const bool double_sided[] = {false, false, false, true, false, false}; /* no lamp is */
+    for (size_t i = 0; i < 6; ++i) {
         assert_true(mitsuba_material(self, i)->one_sided == one_sided[i]);
+        assert_true(mitsuba_material(self, i)->double_sided == double_sided[i]);
+    }
 }
 
 static void interfaces_have_their_indices(void **state)

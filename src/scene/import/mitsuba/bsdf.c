@@ -230,6 +230,15 @@ static bool is_clear(const air_material_desc *desc)
            desc->alpha_mode != AIR_ALPHA_OPAQUE;
 }
 
+/* What is opaque and not black from behind has two sides, which bakes ask for; but of a lamp the
+ * front alone shines. */
+static bool has_two_sides(const air_material_desc *desc, bool emits)
+{
+    return !desc->one_sided && !emits &&
+           (desc->model == AIR_MATERIAL_METALLIC_ROUGHNESS ||
+            desc->model == AIR_MATERIAL_CONDUCTOR || desc->model == AIR_MATERIAL_PLASTIC);
+}
+
 static air_status make_material(air_mitsuba *mitsuba, air_xml *shape, air_xml *bsdf,
                                 air_xml *emitter, air_handle *out_handle, bool *out_clear)
 {
@@ -245,6 +254,7 @@ static air_status make_material(air_mitsuba *mitsuba, air_xml *shape, air_xml *b
         status = read_emission(mitsuba, emitter, &desc);
     if (status != AIR_OK)
         return status;
+    desc.double_sided = has_two_sides(&desc, emitter != NULL);
     *out_clear = is_clear(&desc);
     *out_handle = AIR_NONE;
     if (desc.model == AIR_MATERIAL_NULL && emitter == NULL)
