@@ -230,7 +230,7 @@ air_status air_mitsuba_add_shape(air_mitsuba *mitsuba, const air_import_object *
 air_status air_mitsuba_append_geometry(void *user, const air_import_object *object,
                                        air_import_geometry *geometry);
 
-/* ---- medium.c, volume.c, region.c, closed.c ---- */
+/* ---- medium.c, volume.c, region.c ---- */
 
 /* All but the boundary. */
 air_status air_mitsuba_read_medium(air_mitsuba *mitsuba, air_xml *at, air_medium_desc *desc,
@@ -244,8 +244,5 @@ air_status air_mitsuba_note_region(air_mitsuba *mitsuba, const air_mitsuba_item 
 /* Adds all media, with their order. */
 air_status air_mitsuba_add_regions(air_mitsuba *mitsuba);
 void air_mitsuba_regions_finish(air_mitsuba *mitsuba);
-/* Do triangles enclose something, each edge being passed as often one way as the other? */
-air_status air_mitsuba_is_closed(air_context *context, const air_import_geometry *geometry,
-                                 bool *out_closed);
 
 #endif

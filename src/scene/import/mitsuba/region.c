@@ -4,6 +4,7 @@
 
 #include "core/vec.h"
 #include "scene/import/mitsuba/mitsuba.h"
+#include "scene/media/boundary_topology.h"
 
 /* ---- noting ---- */
 
@@ -75,7 +76,9 @@ static air_status set_boundary(air_mitsuba *mitsuba, const air_mitsuba_geometry 
         return AIR_OK;
     air_status status = air_mitsuba_append_triangles(mitsuba->context, geometry, &region->geometry);
     if (status == AIR_OK)
-        status = air_mitsuba_is_closed(mitsuba->context, &region->geometry, out_closed);
+        status = air_topology_is_closed(mitsuba->context, region->geometry.positions,
+                                        region->geometry.vertex_count, region->geometry.indices,
+                                        region->geometry.triangle_count, out_closed);
     if (status != AIR_OK)
         return status;
     boundary->kind = AIR_BOUNDARY_MESH;
