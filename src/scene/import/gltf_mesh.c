@@ -224,26 +224,15 @@ static size_t mend_normals(air_primitive *primitive)
 static air_status append_primitive(air_context *context, const air_primitive *primitive,
                                    const float to_world[12], air_import_geometry *geometry)
 {
-    const size_t vertex_count = geometry->vertex_count + primitive->vertex_count;
-    const size_t triangle_count = geometry->triangle_count + primitive->triangle_count;
-    float *positions =
-        air_reallocate(context, geometry->positions, vertex_count, 3 * sizeof *positions);
-    if (positions == NULL)
-        return air_fail_memory(context, "medium boundary");
-    geometry->positions = positions;
-    uint32_t *indices =
-        air_reallocate(context, geometry->indices, triangle_count, 3 * sizeof *indices);
-    if (indices == NULL)
-        return air_fail_memory(context, "medium boundary");
-    geometry->indices = indices;
+    const size_t vertices = geometry->vertex_count, triangles = geometry->triangle_count;
+    const air_status status = air_import_geometry_grow(context, primitive->vertex_count,
+                                                       primitive->triangle_count, geometry);
+    if (status != AIR_OK)
+        return status;
     for (size_t i = 0; i < primitive->vertex_count; ++i)
-        vec3_store(positions + 3 * (geometry->vertex_count + i),
-                   world_vertex(primitive, to_world, i));
-    const uint32_t first = (uint32_t)geometry->vertex_count;
+        vec3_store(geometry->positions + 3 * (vertices + i), world_vertex(primitive, to_world, i));
     for (size_t i = 0; i < 3 * primitive->triangle_count; ++i)
-        indices[3 * geometry->triangle_count + i] = first + primitive->indices[i];
-    geometry->vertex_count = vertex_count;
-    geometry->triangle_count = triangle_count;
+        geometry->indices[3 * triangles + i] = (uint32_t)vertices + primitive->indices[i];
     return AIR_OK;
 }
 

@@ -10,6 +10,28 @@ void air_import_geometry_finish(air_context *context, air_import_geometry *geome
     *geometry = (air_import_geometry){0};
 }
 
+air_status air_import_geometry_grow(air_context *context, size_t vertex_count,
+                                    size_t triangle_count, air_import_geometry *geometry)
+{
+    const size_t vertices = geometry->vertex_count + vertex_count;
+    const size_t triangles = geometry->triangle_count + triangle_count;
+    if (vertices > UINT32_MAX)
+        return air_fail(context, AIR_ERROR_UNSUPPORTED,
+                        "medium boundary: %zu vertices, but it can have %u", vertices, UINT32_MAX);
+    float *positions =
+        air_reallocate(context, geometry->positions, vertices, 3 * sizeof *positions);
+    if (positions == NULL)
+        return air_fail_memory(context, "medium boundary");
+    geometry->positions = positions;
+    uint32_t *indices = air_reallocate(context, geometry->indices, triangles, 3 * sizeof *indices);
+    if (indices == NULL)
+        return air_fail_memory(context, "medium boundary");
+    geometry->indices = indices;
+    geometry->vertex_count = vertices;
+    geometry->triangle_count = triangles;
+    return AIR_OK;
+}
+
 void air_import_finish(air_import *import)
 {
     for (size_t i = 0; i < import->sidecar_count; ++i) {

@@ -147,6 +147,9 @@ air_status air_sidecar_read_detail(const air_sidecar_part *part, air_medium_desc
 
 /* Frees *geometry and zeroes it. */
 void air_import_geometry_finish(air_context *context, air_import_geometry *geometry);
+/* Room for so many more, which are counted at once. */
+air_status air_import_geometry_grow(air_context *context, size_t vertex_count,
+                                    size_t triangle_count, air_import_geometry *geometry);
 
 /* A 3x4 map from nested rows: three or four rows of four numbers, the fourth being 0 0 0 1. */
 air_status air_sidecar_read_map(const air_json *at, float out[12]);

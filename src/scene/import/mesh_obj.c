@@ -167,17 +167,19 @@ static air_status allocate(obj_reader *reader, air_mesh_file *out)
 {
     air_context *context = reader->context;
     const obj_counts *total = &reader->total;
-    if (total->corners >= UINT32_MAX || total->v >= UINT32_MAX)
+    const size_t normals = total->vn + (total->normals ? total->faces : 0);
+    if (total->corners >= UINT32_MAX || total->v >= UINT32_MAX || total->vt >= UINT32_MAX ||
+        normals >= UINT32_MAX)
         return air_fail(context, AIR_ERROR_UNSUPPORTED,
-                        "%s: %zu vertices and %zu corners of faces, expected fewer than 2^32",
-                        reader->path, total->v, total->corners);
+                        "%s: %zu v, %zu vt, %zu normals and %zu corners of faces, expected fewer "
+                        "than 2^32 of each",
+                        reader->path, total->v, total->vt, normals, total->corners);
     if (total->faces == 0)
         return air_fail(context, AIR_ERROR_FORMAT, "%s: expected at least one face (f)",
                         reader->path);
     reader->v = air_allocate(context, 3 * total->v, sizeof(float));
     reader->vt = air_allocate(context, 2 * total->vt, sizeof(float));
-    reader->vn =
-        air_allocate(context, 3 * (total->vn + (total->normals ? total->faces : 0)), sizeof(float));
+    reader->vn = air_allocate(context, 3 * normals, sizeof(float));
     reader->corners = air_allocate(context, total->most_corners, sizeof *reader->corners);
     /* a face of n corners has n - 2 triangles at most */
     out->indices = air_allocate(context, 3 * total->corners, sizeof *out->indices);

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "image/srgb.h"
 #include "scene/import/mitsuba/mitsuba.h"
 #include "scene/import/number.h"
 #include "scene/import/spectrum.h"
@@ -22,12 +23,6 @@ bool air_mitsuba_is_color(const air_xml *at)
 }
 
 static void set_grey(double value, float out[3]) { out[0] = out[1] = out[2] = (float)value; }
-
-/* [IEC61966-2-1] */
-static float from_srgb(float c)
-{
-    return c <= 0.04045f ? c / 12.92f : powf((c + 0.055f) / 1.055f, 2.4f);
-}
 
 /* "#rrggbb", or one number or three. */
 static air_status read_rgb(const air_mitsuba *mitsuba, const air_xml *at, bool srgb, float out[3])
@@ -54,7 +49,7 @@ static air_status read_rgb(const air_mitsuba *mitsuba, const air_xml *at, bool s
             out[i] = (float)numbers[count == 1 ? 0 : i];
     }
     for (size_t i = 0; i < 3 && srgb; ++i)
-        out[i] = from_srgb(out[i]);
+        out[i] = srgb_decode(out[i]);
     return AIR_OK;
 }
 

@@ -355,26 +355,17 @@ air_status air_mitsuba_add_shape(air_mitsuba *mitsuba, const air_import_object *
 air_status air_mitsuba_append_triangles(air_context *context, const air_mitsuba_geometry *shape,
                                         air_import_geometry *geometry)
 {
-    const size_t vertex_count = geometry->vertex_count + shape->mesh.vertex_count;
-    const size_t triangle_count = geometry->triangle_count + shape->mesh.triangle_count;
-    float *positions =
-        air_reallocate(context, geometry->positions, vertex_count, 3 * sizeof *positions);
-    if (positions == NULL)
-        return air_fail_memory(context, "medium boundary");
-    geometry->positions = positions;
-    uint32_t *indices =
-        air_reallocate(context, geometry->indices, triangle_count, 3 * sizeof *indices);
-    if (indices == NULL)
-        return air_fail_memory(context, "medium boundary");
-    geometry->indices = indices;
-    for (size_t i = 0; i < shape->mesh.vertex_count; ++i)
-        vec3_store(positions + 3 * (geometry->vertex_count + i),
-                   affine_point(shape->to_world, vec3_load(shape->mesh.positions + 3 * i)));
-    for (size_t i = 0; i < 3 * shape->mesh.triangle_count; ++i)
-        indices[3 * geometry->triangle_count + i] =
-            (uint32_t)geometry->vertex_count + shape->mesh.indices[i];
-    geometry->vertex_count = vertex_count;
-    geometry->triangle_count = triangle_count;
+    const air_mesh_file *mesh = &shape->mesh;
+    const size_t vertices = geometry->vertex_count, triangles = geometry->triangle_count;
+    const air_status status =
+        air_import_geometry_grow(context, mesh->vertex_count, mesh->triangle_count, geometry);
+    if (status != AIR_OK)
+        return status;
+    for (size_t i = 0; i < mesh->vertex_count; ++i)
+        vec3_store(geometry->positions + 3 * (vertices + i),
+                   affine_point(shape->to_world, vec3_load(mesh->positions + 3 * i)));
+    for (size_t i = 0; i < 3 * mesh->triangle_count; ++i)
+        geometry->indices[3 * triangles + i] = (uint32_t)vertices + mesh->indices[i];
     return AIR_OK;
 }
 
