@@ -435,6 +435,10 @@ static void skies_have_a_sun(void **state)
     mitsuba_loads(self, "0.6.0",
                   "<emitter type='sky'><integer name='resolution' value='16'/></emitter>");
     assert_int_equal(mitsuba_count(self, AIR_OBJECT_LIGHT), 1);
+    mitsuba_refuses(self, "0.6.0",
+                    "<emitter type='sky'><integer name='year' value='1000000000'/></emitter>",
+                    "line 2: <emitter type=\"sky\">: expected year to be 1 to 9999, found "
+                    "1000000000");
 }
 
 int main(void)
