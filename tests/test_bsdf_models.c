@@ -359,6 +359,41 @@ static void white_plastic_keeps_what_it_gets(void **state)
     }
 }
 
+/* At the ends of what descriptions may say. */
+static void extreme_materials_stay_finite(void **state)
+{
+    (void)state;
+    static const float alphas[] = {0.0f, 1e-4f, 1e3f}, iors[] = {1e-3f, 1.0002f, 300.0f, 1e4f};
+    static const float cosines[] = {1.0f, 0.3f, 1e-4f, -1e-4f, -1.0f};
+    for (int i = 0; i < 4 * 2 * 3 * 3 * 4 * 5; i++) {
+        const sample_material material = {"extreme",
+                                          (air_material_model)(AIR_MATERIAL_DIELECTRIC + i % 4),
+                                          (air_microfacets)(i / 4 % 2),
+                                          alphas[i / 8 % 3],
+                                          alphas[i / 24 % 3],
+                                          iors[i / 72 % 4],
+                                          false,
+                                          i % 2 == 0};
+        const air_vec3 wo = direction(cosines[i / 288], 0.7f);
+        made m;
+        make(&material, wo, &m);
+        for (uint32_t n = 0; n < 64; n++) {
+            const float u[3] = {air_uint_to_float(air_hash32(3 * n)),
+                                air_uint_to_float(air_hash32(3 * n + 1)),
+                                air_uint_to_float(air_hash32(3 * n + 2))};
+            air_vec3 wi, weight;
+            float pdf;
+            if (air_bsdf_sample(&m.bsdf, wo, u, &wi, &weight, &pdf)) {
+                assert_true(vec3_is_finite(wi) && vec3_is_finite(weight) && isfinite(pdf));
+                assert_true(vec3_min(weight) >= 0.0f && pdf >= 0.0f);
+            }
+            wi = sample_sphere(u[0], u[1]);
+            assert_true(vec3_is_finite(air_bsdf_eval(&m.bsdf, wo, wi)));
+            assert_true(isfinite(air_bsdf_sample_pdf(&m.bsdf, wo, wi)));
+        }
+    }
+}
+
 static void tables_of_rough_plastic_follow_its_facets(void **state)
 {
     (void)state;
@@ -462,6 +497,7 @@ int main(void)
         cmocka_unit_test(rough_facets_only_lose),
         cmocka_unit_test(rough_surfaces_become_smooth),
         cmocka_unit_test(white_plastic_keeps_what_it_gets),
+        cmocka_unit_test(extreme_materials_stay_finite),
         cmocka_unit_test(tables_of_rough_plastic_follow_its_facets),
         cmocka_unit_test(one_sided_surfaces_are_black_behind),
         cmocka_unit_test(values_are_those_of_mitsuba),

@@ -87,19 +87,19 @@ typedef struct air_material_desc {
     float specular; /* [0,1], scales the dielectric reflectance; 0 with metallic 0 is a pure Lambert
                        surface */
     float ior; /* of the dielectric, the side that normals point away from, over that of the other;
-                  1.5 by default; >= 1, of DIELECTRIC and PLASTIC > 0; 1: index-matched */
+                  1.5 by default; [1, 1e4], of DIELECTRIC and PLASTIC from 1e-3; 1: index-matched */
     float transmission; /* METALLIC_ROUGHNESS: [0,1], share of the base that lets light through */
     air_texture_ref transmission_texture; /* R */
     bool thin_walled; /* METALLIC_ROUGHNESS: what passes is not bent (KHR_materials_transmission
                          without _volume); default true */
     /* All but METALLIC_ROUGHNESS, BLEND and NULL: distribution and width of the facets' slopes,
-     * along the tangent and across; alpha 0: perfectly smooth. */
+     * along the tangent and across, [0, 1e3]; alpha 0: perfectly smooth. */
     air_microfacets microfacets;
     float alpha_u, alpha_v;
     float reflectance[3], transmittance[3]; /* factors on what is reflected by facets and let
                                                through; [0,1], 1 by default */
     float eta[3], absorption[3]; /* CONDUCTOR: complex index eta - i absorption, over that of the
-                                    outside; >= 0, not both 0; default 0 and 1: reflects all */
+                                    outside; [0, 1e4], not both 0; default 0 and 1: a mirror */
     bool nonlinear; /* PLASTIC: light that is reflected inside takes the base's colour each time */
     air_handle blend[2];             /* BLEND: materials, neither BLEND nor NULL */
     float blend_weight;              /* of the second, [0,1], default 0.5; coverage and emission

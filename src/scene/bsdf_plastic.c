@@ -56,7 +56,8 @@ static double internal_reflectance(const air_facets *facets, float ior)
 
 void air_plastic_table_make(const air_facets *facets, float ior, air_plastic_table *out)
 {
-    out->internal = (float)internal_reflectance(facets, ior);
+    /* high indices leave less than floats tell from nothing, and what leaves is divided by */
+    out->internal = (float)double_min(internal_reflectance(facets, ior), 1.0 - 1e-6);
     for (int i = 0; i < AIR_PLASTIC_ROWS && !air_facets_smooth(facets); i++) {
         const float cos_o = (float)i / (AIR_PLASTIC_ROWS - 1);
         out->passed[i] = (float)facets_mean(facets, ior, float_max(cos_o, 1e-3f), true);

@@ -20,7 +20,8 @@ float air_facets_density(const air_facets *facets, air_vec3 h)
         return 0.0f;
     }
     if (facets->distribution == AIR_MICROFACETS_BECKMANN) {
-        return expf(-(x * x + y * y) / z2) / (area * z2 * z2);
+        const float bell = expf(-(x * x + y * y) / z2);
+        return bell > 0.0f ? bell / (area * z2 * z2) : 0.0f; /* z2^2 may be 0 as well */
     }
     const float q = x * x + y * y + z2;
     return 1.0f / (area * q * q);
