@@ -521,6 +521,32 @@ static void other_programs_see_what_is_nearest(void **state)
     assert_true(fabsf(out.base_color[0] - 9.64f / 10.44f) < 1e-6f);
 }
 
+/* The clipping plane that other programs see is the near distance, where a camera has one. */
+static void cameras_clip_where_rays_begin(void **state)
+{
+    (void)state;
+    static const char *const planes[] = {"\"znear\":0.01", "\"znear\":0.25"};
+    for (size_t i = 0; i < 2; ++i) {
+        saved_fixture f;
+        char text[4096];
+        air_camera_desc desc;
+        air_handle handle = AIR_NONE;
+        saved_init(&f);
+        air_camera_desc_default(&desc);
+        desc.near_distance = i == 1 ? 0.25f : 0.0f;
+        assert_int_equal(air_scene_add_camera(f.scene, &desc, &handle), AIR_OK);
+        saved_round(&f);
+        FILE *file = fopen(f.path, "rb");
+        assert_non_null(file);
+        const size_t header = 20, size = fread(text, 1, sizeof text - 1, file);
+        fclose(file);
+        assert_true(size > header);
+        text[size] = '\0';
+        assert_non_null(strstr(text + header, planes[i]));
+        saved_finish(&f);
+    }
+}
+
 /* The red of an opacity texture becomes the alpha of the base colour's, texel by texel. */
 static void opacity_becomes_alpha(void **state)
 {
@@ -660,6 +686,7 @@ int main(void)
         cmocka_unit_test(a_sheared_sphere_becomes_triangles),
         cmocka_unit_test(flipped_triangles_are_turned),
         cmocka_unit_test(cameras_stay_where_they_are),
+        cmocka_unit_test(cameras_clip_where_rays_begin),
         cmocka_unit_test(other_models_are_read_as_they_were),
         cmocka_unit_test(other_programs_see_what_is_nearest),
         cmocka_unit_test(opacity_becomes_alpha),

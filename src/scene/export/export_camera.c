@@ -1,21 +1,22 @@
 /* export_camera.c: cameras as nodes. */
 #include "scene/export/export.h"
 
-/* glTF cannot do without clipping planes, airlight has none. */
-static const double z_near = 0.01, z_far = 10000.0;
+/* glTF cannot do without clipping planes; airlight has no far one, and need not have a near one. */
+static const double z_near = 0.01, z_range = 10000.0;
 
 static void put_lens(air_export *self, const air_camera_desc *desc, json_t *camera)
 {
     const bool perspective = desc->kind == AIR_CAMERA_PERSPECTIVE;
     const char *type = perspective ? "perspective" : "orthographic";
+    const double near = desc->near_distance > 0.0f ? (double)desc->near_distance : z_near;
     json_t *lens = air_export_object(self, camera, type);
     air_export_put(self, camera, "type", json_string(type));
-    air_export_put(self, lens, "znear", json_real(z_near));
+    air_export_put(self, lens, "znear", json_real(near));
     if (perspective) {
         air_export_put(self, lens, "yfov", json_real((double)desc->fov_y_rad));
         air_export_put(self, lens, "aspectRatio", json_real((double)desc->aspect));
     } else {
-        air_export_put(self, lens, "zfar", json_real(z_far));
+        air_export_put(self, lens, "zfar", json_real(near + z_range));
         air_export_put(self, lens, "xmag",
                        json_real((double)desc->half_height * (double)desc->aspect));
         air_export_put(self, lens, "ymag", json_real((double)desc->half_height));
