@@ -139,7 +139,7 @@ static size_t first_alike(const json_t *owners, size_t limit, bool any_term)
     const json_t *const row = json_array_get(owners, limit);
     for (size_t i = 0; i < limit; i++) {
         const json_t *const other = json_array_get(owners, i);
-        if (same_member(row, other, "light") && same_owner(row, other) &&
+        if (same_member(row, other, "light_index") && same_owner(row, other) &&
             (any_term || same_member(row, other, "term"))) {
             return i;
         }
@@ -164,7 +164,7 @@ static void print_share(const json_t *owners, size_t i)
     print_owner(row);
     json_array_foreach(owners, k, other)
     {
-        if (same_member(row, other, "light") && same_owner(row, other) &&
+        if (same_member(row, other, "light_index") && same_owner(row, other) &&
             first_alike(owners, k, false) == k) {
             printf("%s%s", before, json_string_value(json_object_get(other, "term")));
             before = ", ";
@@ -201,9 +201,9 @@ static void print_owners(const json_t *owners)
         if (first_alike(owners, i, true) != i) {
             continue;
         }
-        if (light == NULL || !json_equal(light, json_object_get(row, "light"))) {
-            light = json_object_get(row, "light");
-            printf("\n  \"%s\":", json_string_value(light));
+        if (light == NULL || !same_member(light, row, "light_index")) {
+            light = row;
+            printf("\n  \"%s\":", json_string_value(json_object_get(row, "light")));
         } else {
             putchar(';');
         }

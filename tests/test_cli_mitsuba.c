@@ -117,12 +117,34 @@ static void leniency_says_what_it_does(void **state)
     cli_leave(&directory);
 }
 
+static void a_sky_and_its_sun_have_owners_of_their_own(void **state)
+{
+    cli_directory directory;
+    (void)state;
+    enter(&directory);
+    cli_write_text("day.xml", "<scene version='0.6.0'><shape type='cube'/><emitter type='sunsky'>"
+                              "<integer name='resolution' value='16'/></emitter>"
+                              "<emitter type='point'/><emitter type='point'/></scene>");
+    const char *info[] = {"info", "day.xml", "--medium", "box=-2,0,-2:2,2,2,sigma_s=0.1", NULL};
+    cli_result result = cli_run(&directory, info);
+    assert_int_equal(result.exit_code, 0);
+    assert_non_null(strstr(result.out,
+                           "\n  \"sky\": path of S0, S+, M1, M2, emission, background\n"
+                           "  \"sun\": collimated:exact of S0, M1; path of S+, M2, emission, "
+                           "background\n"
+                           "  \"point\": path of S0, S+, M1, M2, emission, background\n"
+                           "  \"point\": path of S0, S+, M1, M2, emission, background\n"));
+    cli_free(&result);
+    cli_leave(&directory);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_film_says_what_the_options_do_not),
         cmocka_unit_test(files_outside_need_to_be_allowed),
         cmocka_unit_test(leniency_says_what_it_does),
+        cmocka_unit_test(a_sky_and_its_sun_have_owners_of_their_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

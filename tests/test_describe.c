@@ -125,6 +125,7 @@ static void every_light_medium_and_term_has_an_owner(void **state)
     for (size_t i = 0; i < 12; ++i) {
         assert_text(root, "owners", i, "method", "path");
         assert_text(root, "owners", i, "light", i < 6 ? "lamp" : "emissive meshes");
+        assert_int_equal(json_integer_value(member(root, "owners", i, "light_index")), i / 6);
         const bool in_media = json_is_string(member(root, "owners", i, "medium"));
         const char *term = json_string_value(member(root, "owners", i, "term"));
         assert_int_equal(in_media, term[0] == 'M');

@@ -428,8 +428,11 @@ static void skies_have_a_sun(void **state)
                   "<emitter type='sunsky'><vector name='sunDirection' x='0' y='1' z='1'/>"
                   "<integer name='resolution' value='16'/></emitter>");
     assert_int_equal(mitsuba_count(self, AIR_OBJECT_LIGHT), 2);
+    import_expect_silence(self, AIR_MESSAGE_WARNING);
     assert_int_equal(mitsuba_light(self, 0)->kind, AIR_LIGHT_ENVIRONMENT);
+    assert_string_equal(mitsuba_light(self, 0)->name, "sky");
     const air_light_desc *sun = mitsuba_light(self, 1);
+    assert_string_equal(sun->name, "sun");
     assert_int_equal(sun->kind, AIR_LIGHT_COLLIMATED);
     assert_true(sun->dir[1] < 0.0f && sun->dir[2] < 0.0f && sun->color[0] > 0.0f);
     mitsuba_loads(self, "0.6.0",
@@ -439,6 +442,14 @@ static void skies_have_a_sun(void **state)
                     "<emitter type='sky'><integer name='year' value='1000000000'/></emitter>",
                     "line 2: <emitter type=\"sky\">: expected year to be 1 to 9999, found "
                     "1000000000");
+    mitsuba_loads(self, "0.6.0",
+                  "<emitter type='sunsky' id='day'><integer name='resolution' value='16'/>"
+                  "<float name='sunRadiusScale' value='18.5'/></emitter>");
+    assert_string_equal(mitsuba_light(self, 0)->name, "day.sky");
+    assert_string_equal(mitsuba_light(self, 1)->name, "day.sun");
+    import_expect(self, AIR_MESSAGE_WARNING,
+                  "line 2: <emitter type=\"sunsky\" id=\"day\">: the sun is taken without extent: "
+                  "sun_radius_scale 18.5 would make its shadows soft");
 }
 
 int main(void)

@@ -298,6 +298,7 @@ static void append_owner(json_t *array, const air_snapshot *snapshot, const air_
     json_object_set_new(
         object, "light",
         string(light < lights->explicit_count ? lights->entries[light].name : "emissive meshes"));
+    json_object_set_new(object, "light_index", json_integer((json_int_t)light));
     json_object_set_new(object, "medium",
                         medium < snapshot->media.count ? string(snapshot->media.media[medium].name)
                                                        : json_null());

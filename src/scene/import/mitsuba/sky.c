@@ -1,9 +1,12 @@
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "core/vec.h"
 #include "scene/import/mitsuba/mitsuba.h"
 #include "scene/import/sun_sky.h"
+
+enum { NAME = 256 };
 
 /* Mitsuba 3's sky has Z up and X to the north; ours Y up and -Z to the north, as 0.x's. */
 static const float old_frame[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -104,7 +107,6 @@ static air_status add_image(air_mitsuba *mitsuba, const air_sun_sky *sky, const 
     return status == AIR_OK ? air_scene_add_light(mitsuba->import->scene, &desc, &handle) : status;
 }
 
-/* The sun has no extent. */
 static air_status add_sun(air_mitsuba *mitsuba, const air_sun_sky *sky, const float irradiance[3],
                           const char *name)
 {
@@ -118,21 +120,42 @@ static air_status add_sun(air_mitsuba *mitsuba, const air_sun_sky *sky, const fl
     return air_scene_add_light(mitsuba->import->scene, &desc, &handle);
 }
 
+/* Where one element is a sky and its sun, each has a name of its own, by which --method knows it.
+ */
+static void name_part(const air_xml *at, const char *name, const char *part, char out[NAME])
+{
+    if (!air_mitsuba_is(at, "sunsky"))
+        snprintf(out, NAME, "%s", name);
+    else if (strcmp(name, "sunsky") == 0)
+        snprintf(out, NAME, "%s", part);
+    else
+        snprintf(out, NAME, "%s.%s", name, part);
+}
+
 air_status air_mitsuba_add_sky(air_mitsuba *mitsuba, air_xml *at, const char *name)
 {
     air_sun_sky sky;
+    char sky_name[NAME], sun_name[NAME];
     float irradiance[3] = {0.0f, 0.0f, 0.0f};
     air_status status = read_sky(mitsuba, at, &sky);
+    /* the real one has half an angle of 0.27 degrees, whose shadows are as good as sharp */
+    if (status == AIR_OK && sky.sun_scale > 0.0f && sky.sun_radius_scale > 1.0f)
+        status = air_mitsuba_warn(mitsuba, at,
+                                  "the sun is taken without extent: sun_radius_scale %g would make "
+                                  "its shadows soft",
+                                  (double)sky.sun_radius_scale);
     if (status != AIR_OK)
         return status;
+    name_part(at, name, "sky", sky_name);
+    name_part(at, name, "sun", sun_name);
     float *rgb = air_allocate(mitsuba->context, sky.width * (sky.width / 2), 3 * sizeof *rgb);
     if (rgb == NULL)
         return air_fail_memory(mitsuba->context, mitsuba->path);
     status = air_sun_sky_image(mitsuba->context, &sky, rgb, irradiance);
     if (status == AIR_OK && sky.sky_scale > 0.0f)
-        status = add_image(mitsuba, &sky, rgb, name);
+        status = add_image(mitsuba, &sky, rgb, sky_name);
     if (status == AIR_OK && sky.sun_scale > 0.0f)
-        status = add_sun(mitsuba, &sky, irradiance, name);
+        status = add_sun(mitsuba, &sky, irradiance, sun_name);
     air_free(mitsuba->context, rgb);
     return status == AIR_OK ? status : air_xml_place_error(&mitsuba->document, at, status);
 }
