@@ -10,6 +10,7 @@ typedef struct sun_scene {
     float sigma_s[3], sigma_a[3];
     float dir[3];       /* of the first sun */
     bool two_suns;      /* a second one, from elsewhere */
+    bool one_name;      /* both are called "sun" */
     bool windows;       /* the first has two, one of them concave */
     bool second_medium; /* a box that overlaps the haze */
     bool third_medium;  /* a layer without end below it, which touches both */
@@ -158,7 +159,7 @@ static inline air_status sun_add_lights(air_scene *scene, const sun_scene *s)
     status = air_scene_add_light(scene, &light, &handle);
     if (status == AIR_OK && s->two_suns) {
         air_light_desc_default(&light);
-        light.name = "second sun";
+        light.name = s->one_name ? "sun" : "second sun";
         light.kind = AIR_LIGHT_COLLIMATED;
         room_set3(light.color, 0.5f, 1.0f, 2.0f);
         room_set3(light.dir, -1.0f, -0.6f, 0.2f);

@@ -36,6 +36,25 @@ static void owners_are_as_asked_for(void **state)
     air_context_destroy(context);
 }
 
+static void a_name_means_all_lights_that_have_it(void **state)
+{
+    (void)state;
+    messages m;
+    air_context *context = make_context(1, &m);
+    sun_scene s = sun_scene_default();
+    air_snapshot *snapshot;
+    air_owner_table *table;
+    s.two_suns = s.one_name = true;
+    assert_int_equal(sun_scene_make(context, &s, &snapshot), AIR_OK);
+    assert_int_equal(air_owner_table_create(context, snapshot, "sun=path", &table), AIR_OK);
+    for (size_t light = 0; light < 2; light++) {
+        assert_int_equal(air_owner_table_get(table, light, 0, AIR_TERM_M1), AIR_METHOD_PATH);
+    }
+    air_owner_table_destroy(table);
+    air_snapshot_release(snapshot);
+    air_context_destroy(context);
+}
+
 static void what_does_not_apply_is_left_to_path_with_one_warning(void **state)
 {
     (void)state;
@@ -393,6 +412,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(owners_are_as_asked_for),
+        cmocka_unit_test(a_name_means_all_lights_that_have_it),
         cmocka_unit_test(what_does_not_apply_is_left_to_path_with_one_warning),
         cmocka_unit_test(every_mode_has_the_expectation_of_path),
         cmocka_unit_test(ratio_and_plain_modes_mix),

@@ -48,8 +48,8 @@ typedef struct air_owner_table air_owner_table;
  * not apply falls back to path with one warning that says why. auto: collimated:exact where it
  * applies, else path. interactive: ordinates where it applies, without noise but with the blur of
  * its cells; where it does not, and where collimated applies and light meets at most one scattering
- * event along the media's longest sides, as auto. LIGHT may have any of these; lights that are not
- * named are auto's.
+ * event along the media's longest sides, as auto. LIGHT may have any of these, and means all lights
+ * of that name; lights that are not named are auto's.
  * Modes of collimated: exact (the default), rm, ds, wvds, rees, reds, me, me6, me-ideal, me6-ideal
  * (docs/collimated.md). Modes of arealight: edge (the default), mix, ltsd, volume-ris
  * (docs/arealight.md). Modes of ordinates: dom (the default), cm, six, literal, shdom

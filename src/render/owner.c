@@ -231,18 +231,21 @@ static void warn_of_refusals(const air_owner_table *table, const refusals *refus
     }
 }
 
+/* To all lights of the name: files may hold several. */
 static air_status assign_named(air_owner_table *table, const air_snapshot *snapshot, word light,
                                method_choice choice, refusals *refused)
 {
+    bool found = false;
     for (size_t i = 0; i < snapshot->lights.explicit_count; i++) {
         if (snapshot->lights.entries[i].name != NULL &&
             word_is(light, snapshot->lights.entries[i].name)) {
             assign_or_refuse(table, snapshot, i, choice, refused);
-            return AIR_OK;
+            found = true;
         }
     }
-    return air_fail(table->context, AIR_ERROR_ARGUMENT, "method: there is no light named \"%.*s\"",
-                    light.length, light.text);
+    return found ? AIR_OK
+                 : air_fail(table->context, AIR_ERROR_ARGUMENT,
+                            "method: there is no light named \"%.*s\"", light.length, light.text);
 }
 
 static air_status parse(air_owner_table *table, const air_snapshot *snapshot, const char *methods)
