@@ -198,7 +198,7 @@ static void wrong_values_are_refused(void **state)
 {
     import_fixture *self = *state;
     mitsuba_refuses(self, "3.0.0", POINT("bright"),
-                    "line 2: <float name=\"intensity\">: expected at most 1 finite numbers as "
+                    "line 2: <float name=\"intensity\">: expected one finite number as "
                     "value, found \"bright\"");
     mitsuba_refuses(self, "3.0.0", "<shape type='sphere'><string name='radius' value='1'/></shape>",
                     "line 2: <string name=\"radius\">: expected <float> or <integer>");
@@ -206,6 +206,49 @@ static void wrong_values_are_refused(void **state)
                     "<shape type='cube'><boolean name='flip_normals' value='maybe'/></shape>",
                     "line 2: <boolean name=\"flip_normals\">: expected one of false, true, found "
                     "\"maybe\"");
+}
+
+static void files_that_fail_say_who_names_them(void **state)
+{
+    import_fixture *self = *state;
+    import_serve(self, "scenes/empty.obj", "", 0);
+    mitsuba_refuses(self, "3.0.0",
+                    "<shape type='obj'><string name='filename' value='none.obj'/></shape>",
+                    "line 2: <shape type=\"obj\">: scenes/none.obj: cannot be read");
+    mitsuba_refuses(
+        self, "3.0.0", "<shape type='obj'><string name='filename' value='empty.obj'/></shape>",
+        "line 2: <shape type=\"obj\">: scenes/empty.obj: expected at least one face (f)");
+    mitsuba_refuses(self, "3.0.0",
+                    "<shape type='cube'><bsdf type='diffuse'><texture type='bitmap' "
+                    "name='reflectance'>\n<string name='filename' value='no.png'/></texture></bsdf>"
+                    "</shape>",
+                    "line 2: <texture type=\"bitmap\" name=\"reflectance\">: scenes/no.png: cannot "
+                    "be read");
+    mitsuba_refuses(self, "3.0.0",
+                    "<emitter type='envmap'><string name='filename' value='no.exr'/></emitter>",
+                    "line 2: <emitter type=\"envmap\">: scenes/no.exr: cannot be read");
+    mitsuba_refuses(self, "3.0.0", "\n<include filename='no.xml'/>",
+                    "line 3: <include>: scenes/no.xml: cannot be read");
+}
+
+static void elements_need_their_attributes(void **state)
+{
+    import_fixture *self = *state;
+    mitsuba_refuses(self, "3.0.0", "<shape/>", "line 2: <shape>: expected the attribute type");
+    assert_int_equal(mitsuba_text(self, "<svg/>"), AIR_ERROR_FORMAT);
+    assert_string_equal(air_context_last_error(self->context),
+                        "scenes/room.xml: line 1: <svg>: expected the attribute version, as in "
+                        "<scene version=\"3.0.0\">");
+}
+
+static void parameters_that_nothing_asks_for_are_told(void **state)
+{
+    import_fixture *self = *state;
+    const char *const defines[] = {"w=2", "v=3"};
+    self->params.defines = defines;
+    self->params.define_count = 2;
+    mitsuba_loads(self, "3.0.0", POINT("$w"));
+    assert_string_equal(self->said[AIR_MESSAGE_WARNING], "--define \"v=3\": the scene has no $v\n");
 }
 
 /* Whatever allocation fails, the load fails cleanly or the scene is the same. */
@@ -253,6 +296,10 @@ int main(void)
         cmocka_unit_test_setup_teardown(what_is_not_read_is_said, set_up, tear_down),
         cmocka_unit_test_setup_teardown(unknown_plugins_are_refused_or_replaced, set_up, tear_down),
         cmocka_unit_test_setup_teardown(wrong_values_are_refused, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(files_that_fail_say_who_names_them, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(elements_need_their_attributes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(parameters_that_nothing_asks_for_are_told, set_up,
+                                        tear_down),
         cmocka_unit_test_setup_teardown(memory_may_run_out_anywhere, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

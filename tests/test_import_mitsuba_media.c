@@ -226,6 +226,30 @@ static void grids_fill_the_box_of_their_version(void **state)
                (const float[]){1, 3, 5});
 }
 
+/* A room of fog is what the sensor is in, or what another shape has outside. */
+static void media_that_nobody_sees_are_told(void **state)
+{
+    import_fixture *self = *state;
+    const char *fog = "<medium type='homogeneous' id='fog'><float name='sigma_t' value='1'/>"
+                      "</medium>";
+    snprintf(self->text, sizeof self->text,
+             "<scene version='3.0.0'>%s<shape type='cube'><ref name='interior' id='fog'/></shape>"
+             "</scene>",
+             fog);
+    assert_int_equal(mitsuba_text(self, self->text), AIR_OK);
+    assert_int_equal(mitsuba_count(self, AIR_OBJECT_MEDIUM), 0);
+    import_expect(self, AIR_MESSAGE_WARNING,
+                  "line 1: <shape type=\"cube\">: the shape is opaque, so that nobody sees the "
+                  "medium within; <bsdf type=\"null\"/> lets rays pass");
+    snprintf(self->text, sizeof self->text,
+             "<scene version='3.0.0'>%s<shape type='cube'><ref name='interior' id='fog'/></shape>"
+             "<sensor type='perspective'><ref id='fog'/></sensor></scene>",
+             fog);
+    assert_int_equal(mitsuba_text(self, self->text), AIR_OK);
+    assert_int_equal(mitsuba_count(self, AIR_OBJECT_MEDIUM), 1);
+    import_expect_silence(self, AIR_MESSAGE_WARNING);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -237,6 +261,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(clear_shapes_keep_fog_out, set_up, tear_down),
         cmocka_unit_test_setup_teardown(open_shapes_bound_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(grids_fill_the_box_of_their_version, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(media_that_nobody_sees_are_told, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -385,7 +385,10 @@ static air_status allocate_vertices(const ply_reader *reader, const ply_element 
                       {SLOT_NX, 3, 3, &out->normals},
                       {SLOT_U, 2, 2, &out->uv},
                       {SLOT_RED, 3, 4, &out->colors}};
-    if (element->count == 0 || !has[SLOT_X] || !has[SLOT_Y] || !has[SLOT_Z])
+    if (element->count == 0)
+        return air_fail(reader->context, AIR_ERROR_FORMAT, "%s: expected at least one vertex",
+                        reader->path);
+    if (!has[SLOT_X] || !has[SLOT_Y] || !has[SLOT_Z])
         return air_fail(reader->context, AIR_ERROR_FORMAT,
                         "%s: expected vertices with the properties x, y and z", reader->path);
     for (size_t i = 0; i < sizeof attributes / sizeof *attributes; ++i) {

@@ -133,7 +133,9 @@ static air_status read_envmap(air_mitsuba *mitsuba, const air_xml *at, air_light
     if (status == AIR_OK)
         status = air_mitsuba_file(mitsuba, at, name, &path);
     if (status == AIR_OK)
-        status = air_import_environment_texture(mitsuba->import, path, &desc->image);
+        status = air_xml_place_error(
+            &mitsuba->document, at,
+            air_import_environment_texture(mitsuba->import, path, &desc->image));
     air_free(mitsuba->context, path);
     for (size_t i = 0; i < 3; ++i)
         desc->color[i] = scale * mitsuba->light_scale;

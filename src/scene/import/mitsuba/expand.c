@@ -48,6 +48,21 @@ static air_status add_defines(air_mitsuba *mitsuba)
     return status;
 }
 
+/* Misspelt ones, as likely as not. */
+static air_status warn_of_unwanted(const air_mitsuba *mitsuba)
+{
+    const air_load_params *params = mitsuba->import->params;
+    air_status status = AIR_OK;
+    for (size_t i = 0; i < params->define_count && status == AIR_OK; ++i) {
+        const char *text = params->defines[i];
+        const size_t length = strcspn(text, "=");
+        if (json_object_getn(mitsuba->wanted, text, length) == NULL)
+            status = air_import_warn(mitsuba->import, "--define \"%.80s\": the scene has no $%.*s",
+                                     text, (int)(length < 60 ? length : 60), text);
+    }
+    return status;
+}
+
 static bool is_name(char c) { return isalnum((unsigned char)c) || c == '_'; }
 
 static air_status unknown_parameter(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
@@ -76,6 +91,7 @@ static const char *parameter_value(const air_mitsuba *mitsuba, const char *text,
         const json_t *value = json_object_get(mitsuba->parameters, name);
         if (value != NULL) {
             *out_length = length;
+            json_object_set_new(mitsuba->wanted, name, json_true());
             return json_string_value(value);
         }
     }
@@ -239,7 +255,7 @@ static air_status read_version(const air_mitsuba *mitsuba, air_xml *root)
     const char *text = air_xml_attribute_of(root, "version");
     if (text == NULL)
         return air_mitsuba_fail(mitsuba, root, AIR_ERROR_FORMAT,
-                                "expected the attribute version, as in version=\"3.0.0\"");
+                                "expected the attribute version, as in <scene version=\"3.0.0\">");
     size_t length = strcspn(text, ".");
     if (text[length] == '.')
         length += 1 + strcspn(text + length + 1, ".");
@@ -308,6 +324,8 @@ static air_status include(air_mitsuba *mitsuba, air_xml *at, const air_mitsuba_s
     inner.path = path;
     if (status == AIR_OK)
         status = read_source(mitsuba, &inner, &root);
+    if (status == AIR_ERROR_IO)
+        status = air_xml_place_error(&mitsuba->document, at, status);
     air_free(mitsuba->context, path);
     if (status == AIR_OK)
         splice(at, root);
@@ -403,8 +421,9 @@ air_status air_mitsuba_expand(air_mitsuba *mitsuba)
 {
     const air_mitsuba_source source = {.path = mitsuba->path};
     mitsuba->parameters = json_object();
+    mitsuba->wanted = json_object();
     mitsuba->names = json_object();
-    if (mitsuba->parameters == NULL || mitsuba->names == NULL)
+    if (mitsuba->parameters == NULL || mitsuba->wanted == NULL || mitsuba->names == NULL)
         return air_fail_memory(mitsuba->context, mitsuba->path);
     air_status status = add_defines(mitsuba);
     if (status == AIR_OK)
@@ -412,5 +431,5 @@ air_status air_mitsuba_expand(air_mitsuba *mitsuba)
     if (status == AIR_OK && strcmp(mitsuba->scene->tag, "scene") != 0)
         status = air_mitsuba_fail(mitsuba, mitsuba->scene, AIR_ERROR_FORMAT,
                                   "expected <scene> as the outermost element");
-    return status;
+    return status == AIR_OK ? warn_of_unwanted(mitsuba) : status;
 }

@@ -206,6 +206,7 @@ static void mitsuba_finish(air_mitsuba *mitsuba)
     air_free(mitsuba->context, mitsuba->named);
     air_free(mitsuba->context, mitsuba->folder);
     json_decref(mitsuba->parameters);
+    json_decref(mitsuba->wanted);
     json_decref(mitsuba->names);
     air_xml_finish(&mitsuba->document);
 }

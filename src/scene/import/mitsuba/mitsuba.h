@@ -18,6 +18,7 @@ enum { AIR_MITSUBA_FOLDERS = 64 };
 typedef struct air_mitsuba_item {
     air_xml *at;
     float instance_to_world[12]; /* identity for what is in the scene itself */
+    bool opaque;                 /* a shape that lets no light through */
 } air_mitsuba_item;
 
 /* What an element has become, for those that refer to it again. */
@@ -46,6 +47,7 @@ typedef struct air_mitsuba {
     air_xml_document document;
     air_xml *scene;     /* the root, with includes in place */
     json_t *parameters; /* name: value */
+    json_t *wanted;     /* names of parameters that the scene asks for: true */
     json_t *names;      /* id: number of the element, or the id that an alias stands for */
     air_xml **named;    /* elements with an id */
     size_t named_count, named_capacity;

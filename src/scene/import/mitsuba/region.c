@@ -187,6 +187,29 @@ static air_status find_outside(const air_mitsuba *mitsuba, air_xml **out)
     return status;
 }
 
+/* A medium that is only within opaque shapes: was one of them to be a null surface? */
+static air_status warn_of_unseen(const air_mitsuba *mitsuba, const air_xml *outside)
+{
+    air_status status = AIR_OK;
+    for (size_t i = 0; i < mitsuba->item_count && status == AIR_OK; ++i) {
+        const air_mitsuba_item *item = &mitsuba->items[i];
+        air_xml *interior = NULL;
+        bool seen = false;
+        if (!item->opaque)
+            continue;
+        status = air_mitsuba_child(mitsuba, item->at, "medium", "interior", &interior);
+        if (status == AIR_OK && interior != NULL)
+            status = is_inside(mitsuba, interior, NULL, &seen);
+        for (size_t k = 0; k < i; ++k) /* copies by instances */
+            seen = seen || mitsuba->items[k].at == item->at;
+        if (status == AIR_OK && interior != NULL && interior != outside && !seen)
+            status = air_mitsuba_warn(mitsuba, item->at,
+                                      "the shape is opaque, so that nobody sees the medium within; "
+                                      "<bsdf type=\"null\"/> lets rays pass");
+    }
+    return status;
+}
+
 /* ---- order ---- */
 
 static double volume(const air_mitsuba_region *region)
@@ -246,6 +269,8 @@ air_status air_mitsuba_add_regions(air_mitsuba *mitsuba)
     air_mitsuba_region *region = NULL;
     size_t count = 0;
     air_status status = find_outside(mitsuba, &outside);
+    if (status == AIR_OK)
+        status = warn_of_unseen(mitsuba, outside);
     if (status == AIR_OK && outside != NULL)
         status = add_region(mitsuba, outside, outside, &region);
     if (status != AIR_OK)

@@ -200,7 +200,9 @@ static air_status read_mesh_file(const air_mitsuba *mitsuba, const air_xml *at,
     if (status == AIR_OK)
         status = air_mitsuba_file(mitsuba, at, name, &path);
     if (status == AIR_OK)
-        status = air_mesh_file_read(mitsuba->context, path, format, (size_t)index, mesh);
+        status = air_xml_place_error(
+            &mitsuba->document, at,
+            air_mesh_file_read(mitsuba->context, path, format, (size_t)index, mesh));
     air_free(mitsuba->context, path);
     if (status != AIR_OK)
         return status;
@@ -335,6 +337,7 @@ air_status air_mitsuba_add_shape(air_mitsuba *mitsuba, const air_import_object *
                                   "to_world scales the shape to nothing");
     if (status == AIR_OK)
         status = air_mitsuba_material(mitsuba, item->at, &material, &clear);
+    mitsuba->items[object->mesh].opaque = !clear;
     if (status == AIR_OK)
         status = find_collimated(mitsuba, item->at, &collimated);
     if (status == AIR_OK)

@@ -187,8 +187,10 @@ static air_status add_bitmap(air_mitsuba *mitsuba, const air_xml *at, bool linea
     if (status == AIR_OK)
         status = air_mitsuba_file(mitsuba, at, name, &path);
     if (status == AIR_OK)
-        status = holds_floats(path) ? add_floats(mitsuba, at, path, &desc, out_handle)
-                                    : add_bytes(mitsuba, at, path, linear, &desc, out_handle);
+        status = air_xml_place_error(&mitsuba->document, at,
+                                     holds_floats(path)
+                                         ? add_floats(mitsuba, at, path, &desc, out_handle)
+                                         : add_bytes(mitsuba, at, path, linear, &desc, out_handle));
     air_free(mitsuba->context, path);
     return status;
 }

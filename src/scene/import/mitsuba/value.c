@@ -46,6 +46,8 @@ air_status air_mitsuba_unknown_type(const air_mitsuba *mitsuba, const air_xml *a
 {
     char what[256];
     const char *type = air_mitsuba_type(at), *nearest = air_nearest_name(type, types, count);
+    if (type[0] == '\0')
+        return air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT, "expected the attribute type");
     if (nearest != NULL && strcmp(nearest, type) != 0)
         snprintf(what, sizeof what, "the %.40s \"%.60s\" is not supported, did you mean \"%s\"?",
                  at->tag, type, nearest);
@@ -142,6 +144,19 @@ air_status air_mitsuba_child(const air_mitsuba *mitsuba, const air_xml *at, cons
 
 static const char *const separators = " ,\t\r\n";
 
+/* Of a text that is no number, or one too many. */
+static air_status refuse_number(const air_mitsuba *mitsuba, const air_xml *at,
+                                const char *attribute, size_t most, const char *text, size_t length,
+                                bool more)
+{
+    char expected[64] = "one finite number";
+    if (most > 1)
+        snprintf(expected, sizeof expected, "at most %zu finite numbers", most);
+    return air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT, "expected %s as %s, found \"%.*s\"%s",
+                            expected, attribute, (int)(length < 60 ? length : 60), text,
+                            more ? " as one more" : "");
+}
+
 air_status air_mitsuba_numbers(const air_mitsuba *mitsuba, const air_xml *at, const char *attribute,
                                size_t most, double *out, size_t *out_count)
 {
@@ -154,10 +169,7 @@ air_status air_mitsuba_numbers(const air_mitsuba *mitsuba, const air_xml *at, co
         const size_t length = strcspn(text, separators);
         if (count == most || !air_number_parse(text, length, &out[count]) ||
             fabs(out[count]) > 3e38)
-            return air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT,
-                                    "expected at most %zu finite numbers as %s, found \"%.*s\"%s",
-                                    most, attribute, (int)(length < 60 ? length : 60), text,
-                                    count == most ? " as one more" : "");
+            return refuse_number(mitsuba, at, attribute, most, text, length, count == most);
         ++count;
         text += length;
     }

@@ -88,7 +88,9 @@ static air_status load_grid(air_mitsuba *mitsuba, air_xml *at, air_handle *out_h
     if (status == AIR_OK)
         status = air_mitsuba_file(mitsuba, at, name, &path);
     if (status == AIR_OK)
-        status = air_scene_load_grid(mitsuba->import->scene, path, NULL, out_handle);
+        status = air_xml_place_error(
+            &mitsuba->document, at,
+            air_scene_load_grid(mitsuba->import->scene, path, NULL, out_handle));
     air_free(mitsuba->context, path);
     if (status == AIR_OK && air_mitsuba_note_made(mitsuba, at, NULL, *out_handle) == NULL)
         status = AIR_ERROR_MEMORY;

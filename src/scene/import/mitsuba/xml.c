@@ -251,7 +251,7 @@ air_status air_xml_place_error(const air_xml_document *document, const air_xml *
                                air_status status)
 {
     char text[1024];
-    if (status == AIR_ERROR_MEMORY)
+    if (status == AIR_OK || status == AIR_ERROR_MEMORY)
         return status;
     snprintf(text, sizeof text, "%s", air_context_last_error(document->context));
     return air_xml_fail(document, at, status, "%s", text);
