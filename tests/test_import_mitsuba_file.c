@@ -234,6 +234,8 @@ static void files_that_fail_say_who_names_them(void **state)
 static void elements_need_their_attributes(void **state)
 {
     import_fixture *self = *state;
+    mitsuba_refuses(self, "3.0.0", "<shape type='obj'><string name='filename' value=''/></shape>",
+                    "line 2: <shape type=\"obj\">: expected the name of a file");
     mitsuba_refuses(self, "3.0.0", "<shape/>", "line 2: <shape>: expected the attribute type");
     assert_int_equal(mitsuba_text(self, "<svg/>"), AIR_ERROR_FORMAT);
     assert_string_equal(air_context_last_error(self->context),

@@ -452,6 +452,17 @@ static void skies_have_a_sun(void **state)
                   "sun_radius_scale 18.5 would make its shadows soft");
 }
 
+static void suns_need_a_day_and_a_place(void **state)
+{
+    import_fixture *self = *state;
+    mitsuba_refuses(self, "0.6.0",
+                    "<emitter type='sun'><integer name='month' value='13'/></emitter>",
+                    "line 2: <emitter type=\"sun\">: expected month to be 1 to 12, found 13");
+    mitsuba_refuses(self, "0.6.0",
+                    "<emitter type='sun'><vector name='sunDirection' x='0' y='0' z='0'/></emitter>",
+                    "line 2: <emitter type=\"sun\">: expected a sun_direction that is not 0");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -475,6 +486,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(environments_keep_mitsubas_directions, set_up, tear_down),
         cmocka_unit_test_setup_teardown(projectors_throw_their_picture, set_up, tear_down),
         cmocka_unit_test_setup_teardown(skies_have_a_sun, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(suns_need_a_day_and_a_place, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

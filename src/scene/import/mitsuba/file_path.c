@@ -63,6 +63,8 @@ static char *candidate(const air_mitsuba *mitsuba, const air_xml *at, const char
 air_status air_mitsuba_file(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
                             char **out_path)
 {
+    if (name[0] == '\0')
+        return air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT, "expected the name of a file");
     /* Where nothing is found the messages are about the scene's own folder. */
     char *path = air_path_join(mitsuba->context, mitsuba->folder, name);
     if (path == NULL)

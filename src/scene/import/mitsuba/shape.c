@@ -51,7 +51,7 @@ static air_status collect_parts(air_mitsuba *mitsuba, air_xml *group, const air_
         if (air_mitsuba_is(part, "shapegroup") || air_mitsuba_is(part, "instance") ||
             air_mitsuba_is(part, "merge"))
             return air_mitsuba_fail(mitsuba, child, AIR_ERROR_UNSUPPORTED,
-                                    "a %s within a group is not supported", air_mitsuba_type(part));
+                                    "within a group no %s is supported", air_mitsuba_type(part));
         status = collect_one(mitsuba, part, instance != NULL ? instance : part, instance_to_world);
     }
     return status;
