@@ -48,8 +48,13 @@ static air_status read_directions(const air_mitsuba *mitsuba, const air_xml *at,
     affine_multiply(map, air_mitsuba_is_old(at) ? old_frame : new_frame, map);
     for (size_t row = 0; row < 3; ++row)
         memcpy(sky->to_world + 3 * row, map + 4 * row, 3 * sizeof *map);
-    if (status == AIR_OK && air_mitsuba_has(at, "sun_direction"))
-        return air_mitsuba_vector(mitsuba, at, "sun_direction", sky->sun_dir);
+    if (status == AIR_OK && air_mitsuba_has(at, "sun_direction")) {
+        status = air_mitsuba_vector(mitsuba, at, "sun_direction", sky->sun_dir);
+        if (status == AIR_OK && vec3_is_zero(vec3_load(sky->sun_dir)))
+            status = air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT,
+                                      "expected a sun_direction that is not 0");
+        return status;
+    }
     if (status == AIR_OK)
         status = read_clock(mitsuba, at, dir);
     if (status == AIR_OK)
