@@ -350,6 +350,26 @@ static void closed_glass_absorbs_and_open_glass_is_announced(void **state)
     import_finish(&f);
 }
 
+/* Spheres that stand for triangles absorb as these would; cylinders and disks are open. */
+static void glass_of_exact_shapes_absorbs(void **state)
+{
+    (void)state;
+    import_fixture f;
+    import_init(&f);
+    import_loads(&f, "{" GLTF_SCENE
+                     ",'nodes':[{'mesh':0,'translation':[0,3,0],'extras':{'airlight':{'shape':"
+                     "'sphere'}}}]," GLASS(ABSORBING) "," GLTF_PAINTED_TRIANGLE "}");
+    assert_int_equal(f.snapshot->media.count, 1);
+    assert_int_equal(f.snapshot->media.media[0].boundary, AIR_BOUNDARY_ELLIPSOID);
+    expect_near(f.snapshot->media.media[0].bounds_max[1], 4.0);
+    import_expect_silence(&f, AIR_MESSAGE_WARNING);
+    import_loads(&f, "{" GLTF_SCENE ",'nodes':[{'mesh':0,'extras':{'airlight':{'shape':"
+                     "'disk'}}}]," GLASS(ABSORBING) "," GLTF_PAINTED_TRIANGLE "}");
+    assert_int_equal(f.snapshot->media.count, 0);
+    import_expect(&f, AIR_MESSAGE_WARNING, "not closed, whose glass is left without absorption: 1");
+    import_finish(&f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -367,6 +387,7 @@ int main(void)
         cmocka_unit_test(a_material_that_no_mesh_uses_is_not_read),
         cmocka_unit_test(transmission_is_thin_without_a_volume),
         cmocka_unit_test(closed_glass_absorbs_and_open_glass_is_announced),
+        cmocka_unit_test(glass_of_exact_shapes_absorbs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -179,8 +179,8 @@ typedef struct air_render_params {
     size_t tile_size;    /* pixels; has no influence on the result; default 32 */
     bool layers; /* keep the terms apart in the film, for layers; else they share one slot; default
                     false */
-    bool guides; /* keep albedo, normal and depth of the first surface too, the way from where rays
-                    begin (near_distance); default false */
+    bool guides; /* keep albedo, normal and depth (the way from where rays begin) of the first
+                    surface too; default false */
     uint32_t variance_replicates; /* 0: none; else the samples are that many independent scramblings
                                      and the film keeps the variance of their mean; sample_end -
                                      sample_begin must be a multiple of it; 0 or >= 2 */

@@ -108,7 +108,7 @@ air_status air_gltf_read_transmission(air_gltf *gltf, const air_json *extensions
                                       air_material_desc *desc, air_gltf_volume *volume);
 /* Adds what a mesh encloses, if it is closed. */
 air_status air_gltf_add_volume(air_gltf *gltf, const char *name, const air_gltf_volume *volume,
-                               const air_import_geometry *geometry);
+                               const air_boundary *boundary);
 
 /* ---- gltf_mesh.c ---- */
 

@@ -244,9 +244,14 @@ static air_status add_volume(air_gltf *gltf, const air_import_object *object, si
     if (!gltf->volume_store[material].absorbs)
         return AIR_OK;
     air_status status = append_primitive(gltf->context, primitive, object->to_world, &geometry);
+    const air_boundary boundary = {.kind = AIR_BOUNDARY_MESH,
+                                   .positions = geometry.positions,
+                                   .vertex_count = geometry.vertex_count,
+                                   .indices = geometry.indices,
+                                   .triangle_count = geometry.triangle_count};
     if (status == AIR_OK)
         status = air_gltf_add_volume(gltf, air_gltf_name(object), &gltf->volume_store[material],
-                                     &geometry);
+                                     &boundary);
     air_import_geometry_finish(gltf->context, &geometry);
     return status;
 }
@@ -328,6 +333,14 @@ static air_status add_shape(air_gltf *gltf, const air_import_object *object, con
     desc.node = (int32_t)object->node;
     desc.primitive = 0;
     status = air_scene_add_mesh(gltf->import->scene, &desc, &handle);
+    if (status == AIR_OK && material_at.value != NULL && gltf->volume_store[material].absorbs) {
+        /* of the shapes, spheres alone enclose anything */
+        air_boundary boundary = {.kind = object->shape == AIR_SHAPE_SPHERE
+                                             ? AIR_BOUNDARY_ELLIPSOID
+                                             : AIR_BOUNDARY_UNBOUNDED};
+        memcpy(boundary.box_to_world, object->to_world, sizeof object->to_world);
+        status = air_gltf_add_volume(gltf, desc.name, &gltf->volume_store[material], &boundary);
+    }
     return status == AIR_OK ? AIR_OK : air_json_place_error(at, status);
 }
 

@@ -54,14 +54,15 @@ air_status air_gltf_read_transmission(air_gltf *gltf, const air_json *extensions
 }
 
 air_status air_gltf_add_volume(air_gltf *gltf, const char *name, const air_gltf_volume *volume,
-                               const air_import_geometry *geometry)
+                               const air_boundary *boundary)
 {
-    bool closed = false;
+    bool closed = boundary->kind == AIR_BOUNDARY_ELLIPSOID;
     air_medium_desc medium;
     air_handle handle;
-    air_status status =
-        air_topology_is_closed(gltf->context, geometry->positions, geometry->vertex_count,
-                               geometry->indices, geometry->triangle_count, &closed);
+    air_status status = AIR_OK;
+    if (boundary->kind == AIR_BOUNDARY_MESH)
+        status = air_topology_is_closed(gltf->context, boundary->positions, boundary->vertex_count,
+                                        boundary->indices, boundary->triangle_count, &closed);
     if (status != AIR_OK || !closed) {
         gltf->tally.open_volumes += status == AIR_OK;
         return status;
@@ -75,11 +76,7 @@ air_status air_gltf_add_volume(air_gltf *gltf, const char *name, const air_gltf_
     medium.name = name;
     for (size_t i = 0; i < 3; ++i)
         medium.sigma_a[i] = volume->sigma_a[i];
-    medium.boundary.kind = AIR_BOUNDARY_MESH;
-    medium.boundary.positions = geometry->positions;
-    medium.boundary.vertex_count = geometry->vertex_count;
-    medium.boundary.indices = geometry->indices;
-    medium.boundary.triangle_count = geometry->triangle_count;
+    medium.boundary = *boundary;
     medium.combine = AIR_COMBINE_REPLACE; /* no fog inside glass */
     return air_scene_add_medium(gltf->import->scene, &medium, &handle);
 }
