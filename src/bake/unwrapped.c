@@ -201,7 +201,7 @@ air_status air_mesh_coordinates(air_context *context, const air_snapshot *snapsh
         air_warn(context,
                  "bake: mesh %zu \"%s\" is a %s, not triangles: it gets no lightmap, but takes "
                  "part in the light of the others",
-                 index, mesh->name, air_shape_name((air_shape)mesh->quadric->shape));
+                 index, mesh->name, air_shape_names[mesh->quadric->shape]);
         return AIR_OK;
     }
     const air_material *material = &snapshot->materials[mesh->material];

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "airlight/render.h"
+#include "scene/material.h"
 #include "scene/media/grid.h"
 #include "scene/mesh.h"
 #include "scene/snapshot.h"
@@ -87,7 +88,7 @@ static json_t *describe_meshes(const air_snapshot *snapshot)
             json_object_set_new(object, "triangles", integer(mesh->triangle_count));
         else
             json_object_set_new(object, "shape",
-                                json_string(air_shape_name((air_shape)mesh->quadric->shape)));
+                                json_string(air_shape_names[mesh->quadric->shape]));
         set_if(object, mesh->material > 0, "material",
                string(snapshot->materials[mesh->material].name));
         set_if(object, mesh->first_emitter != UINT32_MAX, "emits", json_true());
@@ -102,13 +103,6 @@ static json_t *describe_meshes(const air_snapshot *snapshot)
 static json_t *describe_materials(const air_snapshot *snapshot)
 {
     static const char *const alpha_modes[] = {"opaque", "mask", "blend"};
-    static const char *const models[] = {"metallic_roughness",
-                                         "dielectric",
-                                         "thin_dielectric",
-                                         "conductor",
-                                         "plastic",
-                                         "blend",
-                                         "null"};
     json_t *array = json_array();
     for (size_t i = 1; i < snapshot->material_count; ++i) { /* 0 is the default one, in no file */
         const air_material *material = &snapshot->materials[i];
@@ -119,7 +113,7 @@ static json_t *describe_materials(const air_snapshot *snapshot)
         json_object_set_new(object, "roughness", number(material->roughness));
         set_if(object, !vec3_is_zero(material->emission), "emission", vector(material->emission));
         set_if(object, material->model != AIR_MATERIAL_METALLIC_ROUGHNESS, "model",
-               json_string(models[material->model]));
+               json_string(air_material_model_names[material->model]));
         set_if(object, material->transmission > 0.0f, "transmission",
                number(material->transmission));
         set_if(object, material->textured, "textured", json_true());

@@ -17,6 +17,8 @@ void air_camera_desc_default(air_camera_desc *desc)
                               .aspect = DEFAULT_ASPECT};
 }
 
+const char *const air_filter_names[AIR_FILTERS] = {"box", "point", "tent", "gaussian", "mitchell"};
+
 float air_filter_radius_default(air_filter filter)
 {
     switch (filter) {
@@ -136,7 +138,7 @@ static air_status check_film(const air_subject *subject, const air_film_hint *fi
     if (film->samples < 1)
         return air_subject_fail(subject, "film.samples is 0, but must be at least 1");
     const air_status status =
-        air_subject_check_enum(subject, "film.filter", (int)film->filter, AIR_FILTER_MITCHELL + 1);
+        air_subject_check_enum(subject, "film.filter", (int)film->filter, AIR_FILTERS);
     if (status == AIR_OK && !(film->filter_radius > 0.0f && isfinite(film->filter_radius)))
         return air_subject_fail(subject, "film.filter_radius is %g, but must be above 0 and finite",
                                 (double)film->filter_radius);

@@ -12,6 +12,10 @@ typedef struct air_camera_record {
         desc; /* name is the record's; to_world is orthonormal, and right-handed unless mirrored */
 } air_camera_record;
 
+/* What files call pixel filters, in the order of air_filter. */
+enum { AIR_FILTERS = AIR_FILTER_MITCHELL + 1 };
+extern const char *const air_filter_names[AIR_FILTERS];
+
 /* Checks and copies a description. */
 air_status air_camera_record_create(air_context *context, const air_camera_desc *desc,
                                     air_record **out_record);

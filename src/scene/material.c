@@ -33,6 +33,9 @@ static const char *const reference_names[AIR_MATERIAL_TEXTURES] = {
     "transmission_texture", "blend_texture",
     "opacity_texture",      "bump_texture"};
 
+const char *const air_material_model_names[AIR_MATERIAL_MODELS] = {
+    "metallic_roughness", "dielectric", "thin_dielectric", "conductor", "plastic", "blend", "null"};
+
 void air_material_desc_default(air_material_desc *desc)
 {
     const air_texture_ref none = {
@@ -131,7 +134,7 @@ static air_status check_material(air_context *context, const air_material_desc *
     };
     air_status status = air_subject_check_enum(&subject, "alpha_mode", (int)desc->alpha_mode, 3);
     if (status == AIR_OK)
-        status = air_subject_check_enum(&subject, "model", (int)desc->model, 7);
+        status = air_subject_check_enum(&subject, "model", (int)desc->model, AIR_MATERIAL_MODELS);
     if (status == AIR_OK)
         status = air_subject_check_enum(&subject, "microfacets", (int)desc->microfacets, 2);
     for (size_t i = 0; i < sizeof checks / sizeof *checks && status == AIR_OK; ++i)

@@ -14,6 +14,10 @@ typedef struct air_material_record {
     air_plastic_table plastic;
 } air_material_record;
 
+/* What files and reports call the models, in the order of air_material_model. */
+enum { AIR_MATERIAL_MODELS = AIR_MATERIAL_NULL + 1 };
+extern const char *const air_material_model_names[AIR_MATERIAL_MODELS];
+
 /* Checks and copies a description; handles are not looked at. */
 air_status air_material_record_create(air_context *context, const air_material_desc *desc,
                                       air_record **out_record);

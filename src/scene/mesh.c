@@ -16,11 +16,7 @@ void air_mesh_desc_default(air_mesh_desc *desc)
     memcpy(desc->to_world, identity, sizeof identity);
 }
 
-const char *air_shape_name(air_shape shape)
-{
-    static const char *const names[] = {"triangles", "sphere", "cylinder", "disk"};
-    return names[shape];
-}
+const char *const air_shape_names[AIR_SHAPES] = {"triangles", "sphere", "cylinder", "disk"};
 
 /* ---- checking ---- */
 
@@ -54,7 +50,7 @@ static air_status check_quadric(const air_subject *subject, const air_mesh_desc 
         return air_subject_fail(subject,
                                 "is a %s and has %zu vertices and %zu triangles, but must have "
                                 "none of either",
-                                air_shape_name(desc->shape), desc->vertex_count,
+                                air_shape_names[desc->shape], desc->vertex_count,
                                 desc->triangle_count);
     return air_subject_check_map(subject, "to_world", desc->to_world);
 }
@@ -63,7 +59,7 @@ static air_status check_mesh(air_context *context, const air_mesh_desc *desc)
 {
     const air_subject subject = {context, "mesh", desc->name};
     const air_status known =
-        air_subject_check_enum(&subject, "shape", (int)desc->shape, AIR_SHAPE_DISK + 1);
+        air_subject_check_enum(&subject, "shape", (int)desc->shape, AIR_SHAPES);
     if (known != AIR_OK || desc->shape != AIR_SHAPE_TRIANGLES)
         return known != AIR_OK ? known : check_quadric(&subject, desc);
     const struct {

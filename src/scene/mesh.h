@@ -39,8 +39,9 @@ typedef struct air_mesh_record {
     int32_t node, primitive;
 } air_mesh_record;
 
-/* "sphere", as in messages. */
-const char *air_shape_name(air_shape shape);
+/* What files and messages call shapes, in the order of air_shape. */
+enum { AIR_SHAPES = AIR_SHAPE_DISK + 1 };
+extern const char *const air_shape_names[AIR_SHAPES];
 
 /* Checks and copies a description; the material handle is not looked at. Arrays that are the same
  * as those of `previous` (may be NULL) are shared with it. */

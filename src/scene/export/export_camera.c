@@ -23,9 +23,6 @@ static void put_lens(air_export *self, const air_camera_desc *desc, json_t *came
     }
 }
 
-/* In the order of air_filter, as the reader has them. */
-static const char *const filters[] = {"box", "point", "tent", "gaussian", "mitchell"};
-
 static void put_film(air_export *self, const air_film_hint *film, json_t *object)
 {
     json_t *entry = air_export_object(self, object, "film");
@@ -35,7 +32,7 @@ static void put_film(air_export *self, const air_film_hint *film, json_t *object
     for (size_t i = 0; i < 4; ++i)
         air_export_push(self, crop, json_integer((json_int_t)film->crop[i]));
     air_export_put(self, entry, "samples", json_integer(film->samples));
-    air_export_put(self, entry, "filter", json_string(filters[film->filter]));
+    air_export_put(self, entry, "filter", json_string(air_filter_names[film->filter]));
     air_export_put(self, entry, "filter_radius", json_real((double)film->filter_radius));
 }
 

@@ -117,11 +117,11 @@ static void put_shape(air_export *self, const air_mesh_record *record, bool in_w
         return;
     if (in_world) {
         air_warn(self->context, "%s: %s \"%s\" is sheared and became triangles, %d to a turn",
-                 self->path, air_shape_name(shape), record->base.name, AIR_EXPORT_TURN);
+                 self->path, air_shape_names[shape], record->base.name, AIR_EXPORT_TURN);
         return;
     }
     json_t *object = air_export_node_object(self, node);
-    air_export_put(self, object, "shape", json_string(air_shape_name(shape)));
+    air_export_put(self, object, "shape", json_string(air_shape_names[shape]));
     if (record->flip_normals)
         air_export_put(self, object, "flip_normals", json_true());
 }

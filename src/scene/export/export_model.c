@@ -120,10 +120,6 @@ void air_export_nearest_material(const air_export *self, const air_material_desc
 
 /* ---- the airlight object ---- */
 
-/* In the order of air_material_model. */
-static const char *const models[] = {
-    "metallic_roughness", "dielectric", "thin_dielectric", "conductor", "plastic", "blend", "null"};
-
 static void put_facets(air_export *self, const air_material_desc *desc, json_t *object)
 {
     const float alpha[2] = {desc->alpha_u, desc->alpha_v};
@@ -172,7 +168,7 @@ air_status air_export_model(air_export *self, const air_material_desc *desc, jso
         return AIR_OK;
     json_t *object = air_export_node_object(self, material);
     if (own)
-        air_export_put(self, object, "model", json_string(models[desc->model]));
+        air_export_put(self, object, "model", json_string(air_material_model_names[desc->model]));
     if (desc->one_sided)
         air_export_put(self, object, "one_sided", json_true());
     if (desc->model == AIR_MATERIAL_BLEND)

@@ -2,11 +2,7 @@
 #include <string.h>
 
 #include "scene/import/gltf.h"
-
-/* In the order of air_material_model. */
-static const char *const models[] = {
-    "metallic_roughness", "dielectric", "thin_dielectric", "conductor", "plastic", "blend", "null"};
-enum { MODELS = sizeof models / sizeof models[0] };
+#include "scene/material.h"
 
 static air_json object_of(const air_json *extras) { return air_json_get(extras, "airlight"); }
 
@@ -59,7 +55,7 @@ static air_status read_part(air_gltf *gltf, const air_json *at, air_handle *out)
     const air_json extras = air_json_get(&material, "extras");
     const air_json object = object_of(&extras), model = air_json_get(&object, "model");
     const char *name = json_string_value(model.value);
-    if (name != NULL && strcmp(name, models[AIR_MATERIAL_BLEND]) == 0)
+    if (name != NULL && strcmp(name, air_material_model_names[AIR_MATERIAL_BLEND]) == 0)
         return air_json_expected(at, "a material that is no blend");
     return air_gltf_material(gltf, index, out);
 }
@@ -108,7 +104,7 @@ air_status air_gltf_read_model(air_gltf *gltf, const air_json *material, air_mat
     if (status == AIR_OK)
         status = air_json_check_keys(&object, keys, sizeof keys / sizeof keys[0]);
     if (status == AIR_OK)
-        status = air_json_choice(&model_at, models, MODELS, &model);
+        status = air_json_choice(&model_at, air_material_model_names, AIR_MATERIAL_MODELS, &model);
     desc->model = (air_material_model)model;
     if (desc->model != AIR_MATERIAL_METALLIC_ROUGHNESS)
         desc->transmission = 0.0f; /* said for those who do not know the model */

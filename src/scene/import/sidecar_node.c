@@ -1,16 +1,17 @@
 /* sidecar_node.c: what the airlight object of a node adds to its mesh and its camera. */
+#include "scene/camera.h"
 #include "scene/import/import.h"
+#include "scene/mesh.h"
 
 static air_status read_shape(const air_json *at, air_import_object *object)
 {
-    static const char *const shapes[] = {"triangles", "sphere", "cylinder", "disk"};
     const air_json shape_at = air_json_get(at, "shape");
     const air_json flip_at = air_json_get(at, "flip_normals");
     size_t shape = AIR_SHAPE_TRIANGLES;
     if (shape_at.value != NULL && object->mesh == SIZE_MAX)
         return air_json_fail(&shape_at, AIR_ERROR_FORMAT,
                              "expected a mesh at the node, which has the shape's material");
-    air_status status = air_json_choice(&shape_at, shapes, 4, &shape);
+    air_status status = air_json_choice(&shape_at, air_shape_names, AIR_SHAPES, &shape);
     object->shape = (air_shape)shape;
     if (status == AIR_OK && flip_at.value != NULL && object->shape == AIR_SHAPE_TRIANGLES)
         status =
@@ -54,7 +55,6 @@ static air_status read_film(const air_json *at, air_film_hint *film)
 {
     static const char *const keys[] = {"width",   "height", "crop",
                                        "samples", "filter", "filter_radius"};
-    static const char *const filters[] = {"box", "point", "tent", "gaussian", "mitchell"};
     const air_json crop_at = air_json_get(at, "crop"), samples_at = air_json_get(at, "samples");
     const air_json filter_at = air_json_get(at, "filter");
     const air_json radius_at = air_json_get(at, "filter_radius");
@@ -73,7 +73,7 @@ static air_status read_film(const air_json *at, air_film_hint *film)
     if (status == AIR_OK && (samples < 1 || samples > UINT32_MAX))
         status = air_json_expected(&samples_at, "a whole number from 1 to 2^32 - 1");
     if (status == AIR_OK)
-        status = air_json_choice(&filter_at, filters, sizeof filters / sizeof filters[0], &filter);
+        status = air_json_choice(&filter_at, air_filter_names, AIR_FILTERS, &filter);
     film->samples = (uint32_t)samples;
     film->filter = (air_filter)filter;
     film->filter_radius = air_filter_radius_default(film->filter);
