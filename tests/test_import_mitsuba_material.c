@@ -125,6 +125,10 @@ static void blends_have_two_parts(void **state)
     assert_true(blend->blend[1] == self->scene->lists[AIR_OBJECT_MATERIAL].slots[1].handle);
     mitsuba_refuses(self, "3.0.0", CUBE("<bsdf type='blendbsdf'><bsdf type='null'/></bsdf>"),
                     "line 2: <bsdf type=\"blendbsdf\">: expected two <bsdf> within it");
+    mitsuba_refuses(self, "3.0.0",
+                    CUBE("<bsdf type='blendbsdf'><bsdf type='diffuse'/><bsdf type='null'/></bsdf>"),
+                    "line 2: <bsdf type=\"null\">: a null surface within a blend is not supported, "
+                    "expected a mask around the other");
 }
 
 static void lamps_are_black_where_nothing_is_said(void **state)

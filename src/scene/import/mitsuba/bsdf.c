@@ -136,6 +136,10 @@ static air_status add_part(air_mitsuba *mitsuba, air_xml *at, air_handle *out_ha
     if (status == AIR_OK && desc.model == AIR_MATERIAL_BLEND)
         status = air_mitsuba_fail(mitsuba, at, AIR_ERROR_UNSUPPORTED,
                                   "a blend within a blend is not supported");
+    if (status == AIR_OK && desc.model == AIR_MATERIAL_NULL)
+        status = air_mitsuba_fail(mitsuba, at, AIR_ERROR_UNSUPPORTED,
+                                  "a null surface within a blend is not supported, expected a mask "
+                                  "around the other");
     if (status == AIR_OK) {
         status = air_scene_add_material(mitsuba->import->scene, &desc, out_handle);
         if (status != AIR_OK)
