@@ -3,6 +3,7 @@
 #include "scene/bsdf_models.h"
 
 #include "core/warp.h"
+#include "scene/fresnel.h"
 #include "scene/ggx_albedo_table.h"
 
 static const float INVERSE_PI = 1.0f / AIR_PI_F;
@@ -34,18 +35,10 @@ static float ggx_distribution(air_vec3 h, float alpha)
     return 1.0f / (AIR_PI_F * alpha * alpha * q * q);
 }
 
-/* Normals visible from wo, reflected: uniform on a cap of the unit sphere, stretched back
- * [Dupuy2023]. */
 static air_vec3 ggx_sample(air_vec3 wo, float alpha, float u1, float u2)
 {
-    const air_vec3 standard = vec3_normalize(vec3(alpha * wo.x, alpha * wo.y, wo.z));
-    const float phi = 2.0f * AIR_PI_F * u1;
-    const float up = (1.0f - u2) * (1.0f + standard.z); /* z + standard.z, exact near the bottom */
-    const float z = up - standard.z;
-    const float radius = sqrtf(float_max(0.0f, (1.0f - z) * (1.0f + z)));
-    const air_vec3 h = vec3_normalize(vec3(alpha * (radius * cosf(phi) + standard.x),
-                                           alpha * (radius * sinf(phi) + standard.y), up));
-    return vec3_sub(vec3_scale(h, 2.0f * vec3_dot(wo, h)), wo);
+    const air_facets facets = {AIR_MICROFACETS_GGX, alpha, alpha};
+    return air_reflect(wo, air_facets_sample(&facets, wo, u1, u2));
 }
 
 /* ---- albedos ---- */
