@@ -18,8 +18,9 @@ static const cli_usage render_usage = {
     .command = "render",
     .arguments = "SCENE",
     .summary =
-        "Renders a scene (.gltf or .glb, with what NAME.airlight.json beside it adds) and writes "
-        "the picture, by default NAME.exr in the current directory; with --frames, one for each "
+        "Renders a scene (.gltf, .glb or .xml, with what NAME.airlight.json beside it adds) and "
+        "writes the picture, by default NAME.exr in the current directory; with --frames, one for "
+        "each "
         "frame. An interrupt stops the pass under way: those before it are written, marked as "
         "partial, and the exit code is 130.",
     .examples =
