@@ -20,9 +20,8 @@ static const cli_usage render_usage = {
     .summary =
         "Renders a scene (.gltf, .glb or .xml, with what NAME.airlight.json beside it adds) and "
         "writes the picture, by default NAME.exr in the current directory; with --frames, one for "
-        "each "
-        "frame. An interrupt stops the pass under way: those before it are written, marked as "
-        "partial, and the exit code is 130.",
+        "each frame. An interrupt stops the pass under way: those before it are written, marked "
+        "as partial, and the exit code is 130.",
     .examples =
         "  airlight render room.glb -o room.exr -o room.png\n"
         "  airlight render room.glb --medium visibility=50m --environment sky.hdr --quality draft\n"
