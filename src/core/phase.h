@@ -6,6 +6,7 @@
 #define AIR_CORE_PHASE_H
 
 #include "airlight/medium.h"
+#include "core/angle.h"
 #include "core/vec.h"
 
 /* [Henyey1941] with the denominator 1 + g^2 - 2 g cos written as (1-|g|)^2 + 2|g|(1 -+
@@ -107,10 +108,11 @@ static inline air_vec3 air_phase_sample(air_phase phase, air_vec3 travel_dir, fl
     const float cos_theta =
         angle.one_minus_cos < 1.0f ? 1.0f - angle.one_minus_cos : angle.one_plus_cos - 1.0f;
     const float sin_theta = sqrtf(angle.one_minus_cos * angle.one_plus_cos);
-    const float phi = 2.0f * AIR_PI_F * u2;
+    float sin_phi, cos_phi;
+    air_sincos_turn(u2, &sin_phi, &cos_phi);
     *out_pdf = phase_eval(phase, cos_theta);
     const air_frame frame = frame_from_normal(travel_dir);
-    return frame_to_world(&frame, vec3(sin_theta * cosf(phi), sin_theta * sinf(phi), cos_theta));
+    return frame_to_world(&frame, vec3(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta));
 }
 
 /* Density of air_phase_sample per solid angle: the phase function itself. */

@@ -4,6 +4,7 @@
 #ifndef AIR_CORE_WARP_H
 #define AIR_CORE_WARP_H
 
+#include "core/angle.h"
 #include "core/vec.h"
 
 /* Unit disk by the concentric map [Shirley1997], which keeps strata compact. z = 0. */
@@ -15,9 +16,9 @@ static inline air_vec3 sample_disk_concentric(float u1, float u2)
     }
     const bool wide = fabsf(a) > fabsf(b);
     const float r = wide ? a : b;
-    const float phi =
-        wide ? AIR_PI_F / 4.0f * (b / a) : AIR_PI_F / 2.0f - AIR_PI_F / 4.0f * (a / b);
-    return vec3(r * cosf(phi), r * sinf(phi), 0.0f);
+    float across, along; /* of the angle from the nearer axis */
+    air_sincos_eighth(AIR_PI_F / 4.0f * (wide ? b / a : a / b), &across, &along);
+    return vec3(r * (wide ? along : across), r * (wide ? across : along), 0.0f);
 }
 /* Per area. */
 static inline float sample_disk_concentric_pdf(void) { return 1.0f / AIR_PI_F; }
@@ -26,19 +27,20 @@ static inline float sample_disk_concentric_pdf(void) { return 1.0f / AIR_PI_F; }
 static inline air_vec3 sample_cosine_hemisphere(float u1, float u2)
 {
     const air_vec3 d = sample_disk_concentric(u1, u2);
-    return vec3(d.x, d.y, sqrtf(fmaxf(0.0f, 1.0f - d.x * d.x - d.y * d.y)));
+    return vec3(d.x, d.y, sqrtf(float_max(0.0f, 1.0f - d.x * d.x - d.y * d.y)));
 }
 static inline float sample_cosine_hemisphere_pdf(float cos_theta)
 {
-    return fmaxf(0.0f, cos_theta) * (1.0f / AIR_PI_F);
+    return float_max(cos_theta, 0.0f) * (1.0f / AIR_PI_F);
 }
 
 static inline air_vec3 sample_sphere(float u1, float u2)
 {
     const float z = 1.0f - 2.0f * u1;
     const float r = 2.0f * sqrtf(u1 * (1.0f - u1)); /* sqrt(1 - z^2) without cancellation */
-    const float phi = 2.0f * AIR_PI_F * u2;
-    return vec3(r * cosf(phi), r * sinf(phi), z);
+    float sine, cosine;
+    air_sincos_turn(u2, &sine, &cosine);
+    return vec3(r * cosine, r * sine, z);
 }
 static inline float sample_sphere_pdf(void) { return 1.0f / (4.0f * AIR_PI_F); }
 
@@ -61,9 +63,10 @@ static inline float sample_triangle_pdf(float area) { return 1.0f / area; }
 static inline air_vec3 sample_cone(float u1, float u2, float one_minus_cos_max)
 {
     const float h = u1 * one_minus_cos_max;
-    const float r = sqrtf(fmaxf(0.0f, h * (2.0f - h)));
-    const float phi = 2.0f * AIR_PI_F * u2;
-    return vec3(r * cosf(phi), r * sinf(phi), 1.0f - h);
+    const float r = sqrtf(float_max(0.0f, h * (2.0f - h)));
+    float sine, cosine;
+    air_sincos_turn(u2, &sine, &cosine);
+    return vec3(r * cosine, r * sine, 1.0f - h);
 }
 static inline float sample_cone_pdf(float one_minus_cos_max)
 {

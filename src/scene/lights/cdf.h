@@ -3,8 +3,9 @@
 #ifndef AIR_SCENE_LIGHTS_CDF_H
 #define AIR_SCENE_LIGHTS_CDF_H
 
-#include <math.h>
 #include <stddef.h>
+
+#include "core/vec.h"
 
 static inline float air_cdf_start(const float *cdf, size_t i) { return i > 0 ? cdf[i - 1] : 0.0f; }
 
@@ -12,6 +13,9 @@ static inline float air_cdf_start(const float *cdf, size_t i) { return i > 0 ? c
 static inline size_t air_cdf_choose(const float *cdf, size_t count, float *u)
 {
     size_t low = 0, high = count - 1;
+    if (count == 1) {
+        return 0;
+    }
     while (low < high) {
         const size_t middle = (low + high) / 2;
         if (cdf[middle] > *u) {
@@ -21,7 +25,7 @@ static inline size_t air_cdf_choose(const float *cdf, size_t count, float *u)
         }
     }
     const float start = air_cdf_start(cdf, low);
-    *u = fminf((*u - start) / (cdf[low] - start), 0x1.fffffep-1f);
+    *u = float_min((*u - start) / (cdf[low] - start), 0x1.fffffep-1f);
     return low;
 }
 
