@@ -47,7 +47,8 @@ typedef struct air_ray {
 
 /* A hit. mesh is the index of the mesh in the order given to build, AIR_NO_HIT if nothing was met.
  * (u, v) are barycentrics of vertices 1 and 2; normal is the unnormalised (p1-p0) x (p2-p0). Of a
- * quadric: its texture coordinates, its normal of any length, and triangle 0. */
+ * quadric: its texture coordinates, which spheres may leave 0, its normal of any length (where a
+ * sphere was met is found from it), and triangle 0. */
 typedef struct air_hit {
     float t;
     float u, v;

@@ -2,6 +2,7 @@
 
 #include <float.h>
 
+#include "core/angle.h"
 #include "core/triple.h"
 
 /* ---- maps ---- */
@@ -91,40 +92,67 @@ air_vec3 air_quadric_to_world(const air_quadric *quadric, const double local[3])
 /* How many of the first coordinates count in the sum of squares that is 1. */
 static int round_axes(air_ray_shape shape) { return shape == AIR_RAY_SPHERE ? 3 : 2; }
 
-static double partial_dot(const double a[3], const double b[3], int axes)
+static inline double partial_dot(const double a[3], const double b[3], int axes)
 {
-    double sum = 0.0;
-    for (int i = 0; i < axes; i++) {
-        sum += a[i] * b[i];
-    }
-    return sum;
+    const double sum = a[0] * b[0] + a[1] * b[1];
+    return axes == 3 ? sum + a[2] * b[2] : sum;
 }
+
+/* The part of a line within: from nearest - half to nearest + half, about `foot`. */
+typedef struct chord {
+    double nearest, half;
+    double foot[3];
+} chord;
 
 /* From the line's point nearest to the centre (or axis), where half the chord is sqrt(1 - r^2): b^2
  * - 4ac would lose all digits of a sphere far away. */
-static size_t meet_round(air_ray_shape shape, const double origin[3], const double dir[3],
-                         air_quadric_hit out[2])
+static inline bool chord_make(int axes, const double origin[3], const double dir[3], chord *out)
 {
-    const int axes = round_axes(shape);
     const double dd = partial_dot(dir, dir, axes);
-    double foot[3];
     if (!(dd > 0.0)) {
-        return 0;
+        return false;
     }
-    const double nearest = -partial_dot(origin, dir, axes) / dd;
-    air_along3(origin, nearest, dir, foot);
-    const double rest = 1.0 - partial_dot(foot, foot, axes);
+    const double inverse = 1.0 / dd;
+    out->nearest = -partial_dot(origin, dir, axes) * inverse;
+    air_along3(origin, out->nearest, dir, out->foot);
+    const double rest = 1.0 - partial_dot(out->foot, out->foot, axes);
     if (!(rest >= 0.0)) {
+        return false;
+    }
+    out->half = sqrt(rest * inverse);
+    return true;
+}
+
+static inline void chord_end(const chord *line, const double dir[3], double from_foot,
+                             air_quadric_hit *out)
+{
+    out->t = line->nearest + from_foot;
+    air_along3(line->foot, from_foot, dir, out->local);
+}
+
+static inline size_t meet_sphere(const double origin[3], const double dir[3],
+                                 air_quadric_hit out[2])
+{
+    chord line;
+    if (!chord_make(3, origin, dir, &line)) {
         return 0;
     }
-    const double half = sqrt(rest / dd);
+    chord_end(&line, dir, -line.half, &out[0]);
+    chord_end(&line, dir, line.half, &out[1]);
+    return 2;
+}
+
+static size_t meet_cylinder(const double origin[3], const double dir[3], air_quadric_hit out[2])
+{
+    chord line;
     size_t count = 0;
+    if (!chord_make(2, origin, dir, &line)) {
+        return 0;
+    }
     for (int side = -1; side <= 1; side += 2) {
         air_quadric_hit *hit = &out[count];
-        hit->t = nearest + (double)side * half;
-        air_along3(foot, (double)side * half, dir, hit->local);
-        const double z = hit->local[2];
-        count += shape == AIR_RAY_SPHERE || (z >= 0.0 && z <= 1.0) ? 1 : 0;
+        chord_end(&line, dir, (double)side * line.half, hit);
+        count += hit->local[2] >= 0.0 && hit->local[2] <= 1.0 ? 1 : 0;
     }
     return count;
 }
@@ -140,22 +168,43 @@ static size_t meet_disk(const double origin[3], const double dir[3], air_quadric
     return partial_dot(out->local, out->local, 2) <= 1.0 ? 1 : 0;
 }
 
-size_t air_quadric_meet(air_ray_shape shape, const double origin[3], const double dir[3],
-                        air_quadric_hit out[2])
+/* A ray of the world, before the map. */
+static inline void ray_to_local(const air_quadric *quadric, const float origin[3],
+                                const float dir[3], double out_origin[3], double out_dir[3])
 {
-    return shape == AIR_RAY_DISK ? meet_disk(origin, dir, out)
-                                 : meet_round(shape, origin, dir, out);
+    const double o[3] = {(double)origin[0], (double)origin[1], (double)origin[2]};
+    const double d[3] = {(double)dir[0], (double)dir[1], (double)dir[2]};
+    air_quadric_to_local(quadric, o, out_origin);
+    multiply(quadric->inverse, d, out_dir);
 }
 
 size_t air_quadric_intersect(const air_quadric *quadric, const float origin[3], const float dir[3],
                              air_quadric_hit out[2])
 {
-    const double o[3] = {(double)origin[0], (double)origin[1], (double)origin[2]};
-    const double d[3] = {(double)dir[0], (double)dir[1], (double)dir[2]};
-    double local_o[3], local_d[3];
-    air_quadric_to_local(quadric, o, local_o);
-    multiply(quadric->inverse, d, local_d);
-    return air_quadric_meet(quadric->shape, local_o, local_d, out);
+    double o[3], d[3];
+    ray_to_local(quadric, origin, dir, o, d);
+    switch (quadric->shape) {
+    case AIR_RAY_SPHERE:
+        return meet_sphere(o, d, out);
+    case AIR_RAY_CYLINDER:
+        return meet_cylinder(o, d, out);
+    default:
+        return meet_disk(o, d, out);
+    }
+}
+
+bool air_quadric_sphere_chord(const air_quadric *sphere, const float origin[3], const float dir[3],
+                              double out_ends[2])
+{
+    double o[3], d[3];
+    chord line;
+    ray_to_local(sphere, origin, dir, o, d);
+    if (!chord_make(3, o, d, &line)) {
+        return false;
+    }
+    out_ends[0] = line.nearest - line.half;
+    out_ends[1] = line.nearest + line.half;
+    return true;
 }
 
 /* ---- places ---- */
@@ -208,13 +257,33 @@ void air_quadric_local_normal(air_ray_shape shape, const double local[3], double
     }
 }
 
+/* A local normal of any length in the world. */
+static inline air_vec3 normal_to_world(const air_quadric *quadric, const double local[3])
+{
+    double world[3];
+    multiply_transposed(quadric->inverse, local, world);
+    const double scale = 1.0 / air_length3(world);
+    return vec3((float)(world[0] * scale), (float)(world[1] * scale), (float)(world[2] * scale));
+}
+
 air_vec3 air_quadric_normal(const air_quadric *quadric, const double local[3])
 {
-    double n[3], world[3];
+    double n[3];
+    if (quadric->shape == AIR_RAY_SPHERE) {
+        return normal_to_world(quadric, local);
+    }
     air_quadric_local_normal(quadric->shape, local, n);
-    multiply_transposed(quadric->inverse, n, world);
-    const double length = air_length3(world);
-    return vec3((float)(world[0] / length), (float)(world[1] / length), (float)(world[2] / length));
+    return normal_to_world(quadric, n);
+}
+
+void air_quadric_sphere_place(const air_quadric *sphere, const float normal[3], double out_local[3])
+{
+    const double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
+    multiply_transposed(sphere->linear, n, out_local);
+    const double scale = 1.0 / air_length3(out_local);
+    for (int i = 0; i < 3; i++) {
+        out_local[i] *= scale;
+    }
 }
 
 static air_vec3 dir_to_world(const air_quadric *quadric, double x, double y, double z)
@@ -281,8 +350,8 @@ double air_quadric_area(const air_quadric *quadric)
 
 void air_quadric_sample(air_ray_shape shape, float u1, float u2, double out_local[3])
 {
-    const double angle = 2.0 * AIR_PI * (double)u2;
-    double radius = 1.0, z = (double)u1;
+    double radius = 1.0, z = (double)u1, sine, cosine;
+    air_sincos_turn64((double)u2, &sine, &cosine);
     if (shape == AIR_RAY_SPHERE) {
         z = 1.0 - 2.0 * (double)u1;
         radius = 2.0 * sqrt((double)u1 * (1.0 - (double)u1));
@@ -290,8 +359,8 @@ void air_quadric_sample(air_ray_shape shape, float u1, float u2, double out_loca
         radius = sqrt((double)u1);
         z = 0.0;
     }
-    out_local[0] = radius * cos(angle);
-    out_local[1] = radius * sin(angle);
+    out_local[0] = radius * cosine;
+    out_local[1] = radius * sine;
     out_local[2] = z;
 }
 

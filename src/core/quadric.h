@@ -32,13 +32,13 @@ void air_quadric_dir_to_world(const air_quadric *quadric, const double local[3],
 /* A local point in the world. */
 air_vec3 air_quadric_to_world(const air_quadric *quadric, const double local[3]);
 
-/* Where the line through a local point along a local direction meets it, in the order of t, which
- * may be negative; at most two places. dir need not have unit length, nor point anywhere. */
-size_t air_quadric_meet(air_ray_shape shape, const double origin[3], const double dir[3],
-                        air_quadric_hit out[2]);
-/* The same for a ray of the world. */
+/* Where the line of a ray of the world meets it, in the order of t, which may be negative; at most
+ * two places. dir need not have unit length. */
 size_t air_quadric_intersect(const air_quadric *quadric, const float origin[3], const float dir[3],
                              air_quadric_hit out[2]);
+/* Of a sphere only the two t; false if the line misses it. */
+bool air_quadric_sphere_chord(const air_quadric *sphere, const float origin[3], const float dir[3],
+                              double out_ends[2]);
 
 /* Texture coordinates of a local place, in [0, 1], and back. Sphere: angle about Z over a turn,
  * angle from +Z over pi; cylinder: angle about Z, z; disk: radius, angle about Z. */
@@ -48,6 +48,9 @@ void air_quadric_place(air_ray_shape shape, float u, float v, double out_local[3
 /* Outward, of a disk along +Z: in local coordinates, and in the world, both unit. */
 void air_quadric_local_normal(air_ray_shape shape, const double local[3], double out[3]);
 air_vec3 air_quadric_normal(const air_quadric *quadric, const double local[3]);
+/* Where a sphere has this normal, of any length. */
+void air_quadric_sphere_place(const air_quadric *sphere, const float normal[3],
+                              double out_local[3]);
 
 /* How the place in the world moves with u and with v; not by u at the poles of a sphere, nor by v
  * in the middle of a disk. */

@@ -177,8 +177,10 @@ static void store_quadric_hit(const air_hit *hit, void *packet, size_t n, size_t
 static air_hit quadric_hit(const air_quadric *quadric, const air_quadric_hit *at, uint32_t mesh)
 {
     air_hit hit = {.t = (float)at->t, .mesh = mesh};
-    float uv[2];
-    air_quadric_uv(quadric->shape, at->local, uv);
+    float uv[2] = {0.0f, 0.0f};
+    if (quadric->shape != AIR_RAY_SPHERE) {
+        air_quadric_uv(quadric->shape, at->local, uv);
+    }
     hit.u = uv[0];
     hit.v = uv[1];
     vec3_store(hit.normal, air_quadric_normal(quadric, at->local));

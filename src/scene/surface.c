@@ -11,7 +11,8 @@ typedef struct hit_place {
     const air_mesh *mesh;
     const air_material *material;
     const uint32_t *corners; /* the triangle's three vertices; NULL: of a quadric */
-    float b[3];              /* barycentrics; of a quadric the last two are (u, v) */
+    float b[3];              /* barycentrics; of cylinders and disks the last two are (u, v) */
+    const float *normal;     /* as the hit has it */
 } hit_place;
 
 static hit_place find_place(const air_snapshot *snapshot, const air_hit *hit)
@@ -21,7 +22,8 @@ static hit_place find_place(const air_snapshot *snapshot, const air_hit *hit)
                        .material = &snapshot->materials[mesh->material],
                        .corners =
                            mesh->quadric == NULL ? mesh->indices + 3 * (size_t)hit->triangle : NULL,
-                       .b = {1.0f - hit->u - hit->v, hit->u, hit->v}};
+                       .b = {1.0f - hit->u - hit->v, hit->u, hit->v},
+                       .normal = hit->normal};
 }
 
 /* ---- position ---- */
@@ -60,16 +62,26 @@ static void set_triangle_position(const hit_place *place, float inverse_area2, a
     *out_offset = FLT_EPSILON * (3.0f * coordinate + 5.0f * (edges * inverse_area2));
 }
 
-/* The same on a quadric. Its place is found in doubles from (u, v), whose own rounding moves it
- * along the surface, and rays meet quadrics in doubles: what is left is u n.|p| for rounding the
- * position to floats and as much for adding the offset. Of the neighbours that touch it, disks'
- * coplanar triangles among them, 4 u n.|p| as above. */
+/* Where a quadric was met, before its map. */
+static void find_local(const hit_place *place, double out[3])
+{
+    const air_quadric *quadric = place->mesh->quadric;
+    if (quadric->shape == AIR_RAY_SPHERE)
+        air_quadric_sphere_place(quadric, place->normal, out);
+    else
+        air_quadric_place(quadric->shape, place->b[1], place->b[2], out);
+}
+
+/* The same on a quadric. Its place is found in doubles from the normal or from (u, v), whose own
+ * rounding moves it along the surface, and rays meet quadrics in doubles: what is left is u n.|p|
+ * for rounding the position to floats and as much for adding the offset. Of the neighbours that
+ * touch it, disks' coplanar triangles among them, 4 u n.|p| as above. */
 static void set_quadric_position(const hit_place *place, air_vec3 normal, air_vec3 *out_position,
                                  float *out_offset)
 {
     const air_quadric *quadric = place->mesh->quadric;
     double local[3];
-    air_quadric_place(quadric->shape, place->b[1], place->b[2], local);
+    find_local(place, local);
     const air_vec3 p = air_quadric_to_world(quadric, local);
     *out_position = p;
     *out_offset = 3.0f * FLT_EPSILON *
@@ -98,13 +110,26 @@ static void interpolate(const hit_place *place, const float *values, size_t widt
         out[i] = place->b[0] * v0[i] + place->b[1] * v1[i] + place->b[2] * v2[i];
 }
 
+/* A quadric's own coordinates at the hit. */
+static void find_quadric_uv(const hit_place *place, float out_uv[2])
+{
+    double local[3];
+    out_uv[0] = place->b[1];
+    out_uv[1] = place->b[2];
+    if (place->mesh->quadric->shape == AIR_RAY_SPHERE) {
+        find_local(place, local);
+        air_quadric_uv(AIR_RAY_SPHERE, local, out_uv);
+    }
+}
+
 /* A slot's coordinates at the hit. Meshes without these coordinates are at (0, 0); quadrics have
  * their own. */
 static void find_uv(const hit_place *place, const air_texture_slot *slot, float out_uv[2])
 {
-    const bool quadric = place->mesh->quadric != NULL;
-    float uv[2] = {quadric ? place->b[1] : 0.0f, quadric ? place->b[2] : 0.0f};
-    if (place->mesh->uv[slot->uv_set] != NULL)
+    float uv[2] = {0.0f, 0.0f};
+    if (place->mesh->quadric != NULL)
+        find_quadric_uv(place, uv);
+    else if (place->mesh->uv[slot->uv_set] != NULL)
         interpolate(place, place->mesh->uv[slot->uv_set], 2, uv);
     air_texture_slot_uv(slot, uv, out_uv);
 }
@@ -198,12 +223,14 @@ static bool find_uv_edges(const hit_place *place, const air_texture_slot *slot, 
 {
     const air_mesh *mesh = place->mesh;
     const float *uv = mesh->uv[slot->uv_set];
-    const float u = place->b[1], v = place->b[2];
-    const float corners[3][2] = {{u, v}, {u + 1.0f, v}, {u, v + 1.0f}};
     air_vec3 p[3];
-    float at[3][2];
+    float at[3][2], own[2] = {0.0f, 0.0f};
     if (mesh->quadric == NULL && uv == NULL)
         return false;
+    if (mesh->quadric != NULL)
+        find_quadric_uv(place, own);
+    const float u = own[0], v = own[1];
+    const float corners[3][2] = {{u, v}, {u + 1.0f, v}, {u, v + 1.0f}};
     for (size_t i = 0; i < 3; ++i) {
         if (mesh->quadric == NULL)
             p[i] = vec3_load(mesh->positions + 3 * (size_t)place->corners[i]);

@@ -1,6 +1,7 @@
 /* quadric_lamp.c: see quadric_lamp.h. */
 #include "scene/lights/quadric_lamp.h"
 
+#include "core/angle.h"
 #include "core/triple.h"
 #include "core/warp.h"
 #include "scene/texture.h"
@@ -76,17 +77,33 @@ static air_vec3 front_normal(const air_light *light, const double local[3])
     return light->inward ? vec3_neg(normal) : normal;
 }
 
-void air_quadric_lamp_sample(const air_light *light, float u1, float u2, air_light_point *out)
+/* Are places drawn again by what a point outside sees? From inside it sees those by area. */
+static bool goes_by_sight(const air_light *light, bool by_sight)
+{
+    return by_sight && light->quadric->shape == AIR_RAY_SPHERE &&
+           !(light->inward && light->one_sided);
+}
+
+/* What else belongs to a place that was drawn. */
+static void finish_place(const air_light *light, const double local[3], air_light_point *out)
+{
+    out->normal = front_normal(light, local);
+    out->value = radiance_at(light, local);
+    out->pdf = (float)area_pdf(light->quadric, local);
+}
+
+void air_quadric_lamp_sample(const air_light *light, bool by_sight, float u1, float u2,
+                             air_light_point *out)
 {
     double local[3];
     air_quadric_sample(light->quadric->shape, u1, u2, local);
     out->position = air_quadric_to_world(light->quadric, local);
-    out->normal = front_normal(light, local);
-    out->value = radiance_at(light, local);
-    out->pdf = (float)area_pdf(light->quadric, local);
     out->curved = true;
     out->u[0] = u1;
     out->u[1] = u2;
+    if (!goes_by_sight(light, by_sight)) {
+        finish_place(light, local, out);
+    }
 }
 
 /* Per solid angle, of a place of that density per area. */
@@ -118,6 +135,7 @@ static bool connect_by_area(const air_light *light, const air_light_point *light
 /* The sphere as a point sees it, before the map. */
 typedef struct sight {
     double from[3];
+    double distance;
     double axis[3]; /* unit, to the centre */
     double opening; /* 1 - the cosine of the cone's half angle */
 } sight;
@@ -131,19 +149,18 @@ static bool look(const air_light *light, bool by_sight, air_vec3 point, sight *o
 {
     double world[3];
     vec3_store64(world, point);
-    if (!by_sight || light->quadric->shape != AIR_RAY_SPHERE ||
-        (light->inward && light->one_sided)) {
+    if (!goes_by_sight(light, by_sight)) {
         return false;
     }
     air_quadric_to_local(light->quadric, world, out->from);
-    const double distance = air_length3(out->from);
-    if (!(distance > 1.0 + NEAR_SHARE)) {
+    out->distance = air_length3(out->from);
+    if (!(out->distance > 1.0 + NEAR_SHARE)) {
         return false;
     }
+    const double inverse = 1.0 / out->distance, sine2 = inverse * inverse;
     for (int i = 0; i < 3; i++) {
-        out->axis[i] = -out->from[i] / distance;
+        out->axis[i] = -out->from[i] * inverse;
     }
-    const double sine2 = 1.0 / (distance * distance);
     out->opening = sine2 / (1.0 + sqrt(1.0 - sine2));
     return true;
 }
@@ -155,36 +172,45 @@ static float sight_pdf(const air_light *light, const sight *seen, double length)
     return (float)(local * length * length * length / fabs(light->quadric->determinant));
 }
 
-/* A direction within the cone, uniform in local solid angle; sample_cone in doubles. */
-static void sample_sight(const sight *seen, const float u[2], double out_dir[3])
+/* A direction within the cone, uniform in local solid angle, as sample_cone in doubles; and how far
+ * the sphere is along it. */
+static double sample_sight(const sight *seen, const float u[2], double out_dir[3])
 {
-    double s[3], t[3];
+    double s[3], t[3], sine, cosine;
     air_axes_across(seen->axis, s, t);
-    const double h = (double)u[0] * seen->opening, r = sqrt(h * (2.0 - h));
-    const double phi = 2.0 * AIR_PI * (double)u[1];
+    air_sincos_turn64((double)u[1], &sine, &cosine);
+    const double h = (double)u[0] * seen->opening, r2 = h * (2.0 - h), r = sqrt(r2);
     for (int i = 0; i < 3; i++) {
-        out_dir[i] = (1.0 - h) * seen->axis[i] + r * (cos(phi) * s[i] + sin(phi) * t[i]);
+        out_dir[i] = (1.0 - h) * seen->axis[i] + r * (cosine * s[i] + sine * t[i]);
     }
+    /* at the rim rounding decides: the place nearest to the line */
+    const double across2 = seen->distance * seen->distance * r2;
+    return seen->distance * (1.0 - h) - sqrt(double_max(1.0 - across2, 0.0));
 }
 
 static void connect_by_sight(const air_light *light, const sight *seen,
                              const air_light_point *light_point, air_connection *out)
 {
-    double dir[3], world[3];
-    air_quadric_hit hits[2];
-    sample_sight(seen, light_point->u, dir);
-    if (air_quadric_meet(AIR_RAY_SPHERE, seen->from, dir, hits) == 0) {
-        /* at the rim, where rounding decides: the place nearest to the line */
-        hits[0].t = -air_dot3(seen->from, dir);
-        air_along3(seen->from, hits[0].t, dir, hits[0].local);
-    }
+    double dir[3], world[3], local[3];
+    const double t = sample_sight(seen, light_point->u, dir);
     air_quadric_dir_to_world(light->quadric, dir, world);
-    const double length = air_length3(world);
+    const double length = air_length3(world), inverse = 1.0 / length;
     out->dir =
-        vec3((float)(world[0] / length), (float)(world[1] / length), (float)(world[2] / length));
-    out->distance = (float)(hits[0].t * length);
-    out->incident = radiance_at(light, hits[0].local);
+        vec3((float)(world[0] * inverse), (float)(world[1] * inverse), (float)(world[2] * inverse));
+    out->distance = (float)(t * length);
+    air_along3(seen->from, t, dir, local);
+    out->incident = radiance_at(light, local);
     out->pdf = sight_pdf(light, seen, length);
+}
+
+/* A place that was drawn to be seen is one by area after all. */
+static bool connect_by_area_instead(const air_light *light, air_light_point drawn, air_vec3 point,
+                                    air_connection *out)
+{
+    double local[3];
+    air_quadric_sample(light->quadric->shape, drawn.u[0], drawn.u[1], local);
+    finish_place(light, local, &drawn);
+    return connect_by_area(light, &drawn, point, out);
 }
 
 /* ---- both ---- */
@@ -194,11 +220,12 @@ bool air_quadric_lamp_connect(const air_light *light, bool by_sight,
                               air_connection *out)
 {
     sight seen;
-    if (!look(light, by_sight, point, &seen)) {
-        return connect_by_area(light, light_point, point, out);
+    if (look(light, by_sight, point, &seen)) {
+        connect_by_sight(light, &seen, light_point, out);
+        return true;
     }
-    connect_by_sight(light, &seen, light_point, out);
-    return true;
+    return goes_by_sight(light, by_sight) ? connect_by_area_instead(light, *light_point, point, out)
+                                          : connect_by_area(light, light_point, point, out);
 }
 
 float air_quadric_lamp_hit_pdf(const air_light *light, bool by_sight, air_vec3 from, air_vec3 dir,

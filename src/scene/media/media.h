@@ -98,6 +98,13 @@ static inline float air_medium_most(const air_medium *medium)
     return air_detail_most(&medium->detail);
 }
 
+/* Is there one medium, everywhere? */
+static inline bool air_media_fill_space(const air_media *media)
+{
+    return media->region_count == 1 && media->regions[0].kind == AIR_REGION_EVERYWHERE &&
+           media->regions[0].plane_count == 0;
+}
+
 enum { AIR_MAX_REGIONS = 64, AIR_MAX_SEGMENTS = 256 };
 
 /* A part of a ray in which the set of regions does not change. */

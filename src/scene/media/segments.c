@@ -60,6 +60,9 @@ static inline air_plane_lanes all_lanes(float x) { return (air_plane_lanes){x, x
 /* Clips [*a, *b] to the intersection of the half-spaces; false if nothing is left. */
 static bool clip_convex(const air_region *region, air_vec3 origin, air_vec3 dir, float *a, float *b)
 {
+    if (region->pack_count == 0) {
+        return *a < *b;
+    }
     air_plane_lanes enter = all_lanes(*a), leave = all_lanes(*b);
     for (size_t k = 0; k < region->pack_count; k++) {
         const air_plane_pack *pack = &region->packs[k];
@@ -82,12 +85,12 @@ static bool clip_ellipsoid(const air_quadric *ellipsoid, air_vec3 origin, air_ve
                            float *b)
 {
     const float from[3] = {origin.x, origin.y, origin.z}, along[3] = {dir.x, dir.y, dir.z};
-    air_quadric_hit hits[2];
-    if (air_quadric_intersect(ellipsoid, from, along, hits) < 2) {
+    double ends[2];
+    if (!air_quadric_sphere_chord(ellipsoid, from, along, ends)) {
         return false;
     }
-    *a = float_max((float)hits[0].t, *a);
-    *b = float_min((float)hits[1].t, *b);
+    *a = float_max((float)ends[0], *a);
+    *b = float_min((float)ends[1], *b);
     return *a < *b;
 }
 
@@ -232,6 +235,10 @@ size_t air_media_segments(const air_media *media, air_vec3 origin, air_vec3 dir,
 {
     if (media->region_count == 0) {
         return 0;
+    }
+    if (air_media_fill_space(media)) {
+        out[0] = (air_segment){0.0f, tmax, 1};
+        return tmax > 0.0f ? 1 : 0;
     }
     if (media->region_count == 1 && media->regions[0].kind != AIR_REGION_MESH) {
         return single_segment(&media->regions[0], origin, dir, tmax, out);
