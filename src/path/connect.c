@@ -42,13 +42,20 @@ void air_path_shares(const air_path *path, const air_ray *rays, size_t count, ui
     }
 }
 
-static air_vec3 tracked_transmittance(const air_path *path, air_path_scratch *scratch,
-                                      const air_path_lane *lane, const air_ray *ray,
-                                      const path_shadow *shadow)
+/* Of a way that nothing stops. */
+static air_vec3 late_transmittance(const air_path *path, air_path_scratch *scratch,
+                                   const air_path_lane *lane, const air_ray *ray,
+                                   const path_shadow *shadow)
 {
+    const air_vec3 origin = vec3_load(ray->origin), dir = vec3_load(ray->dir);
+    if (path->media->all_constant) {
+        return air_constant_transmittance(path->media, origin, dir, shadow->distance);
+    }
+    air_ray_media_make(&scratch->media, path->media, origin, dir, shadow->distance);
+    if (scratch->media.closed) {
+        return scratch->media.transmittance;
+    }
     air_rng rng = air_sampler_rng(&lane->sampler, shadow->stream);
-    air_ray_media_make(&scratch->media, path->media, vec3_load(ray->origin), vec3_load(ray->dir),
-                       shadow->distance);
     return air_track_transmittance(&scratch->media, fminf(shadow->distance, AIR_FAR), &rng);
 }
 
@@ -84,12 +91,12 @@ void path_connect(const air_path *path, air_path_scratch *scratch, air_path_lane
         }
         air_path_lane *lane = &lanes[shadow->lane];
         air_vec3 transmittance = vec3_set1(1.0f);
-        if (shadow->tracked) {
-            transmittance = tracked_transmittance(path, scratch, lane, ray, shadow);
+        if (shadow->late) {
+            transmittance = late_transmittance(path, scratch, lane, ray, shadow);
         }
-        if (shadow->paired && shadow[1].tracked && !vec3_is_zero(transmittance)) {
-            transmittance = vec3_mul(
-                transmittance, tracked_transmittance(path, scratch, lane, ray + 1, shadow + 1));
+        if (shadow->paired && shadow[1].late && !vec3_is_zero(transmittance)) {
+            transmittance = vec3_mul(transmittance,
+                                     late_transmittance(path, scratch, lane, ray + 1, shadow + 1));
         }
         if (path_responds(path)) {
             add_scattered(shadow, share, transmittance, lane);

@@ -1,4 +1,6 @@
 /* events.c: where on a ray the walk scatters, in a medium or on the surface at its end. */
+#include <string.h>
+
 #include "path/distance.h"
 #include "path/tracking.h"
 #include "path/vertex.h"
@@ -64,8 +66,9 @@ static void call_hook(const air_path *path, const air_ray_media *ray, air_path_l
                                &out);
 }
 
-static void push_surface(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
-                         air_vec3 weight, const air_ray *ray, float t, air_path_lane *lane)
+static path_vertex *push_surface(const air_path *path, air_path_scratch *scratch,
+                                 const path_walk *walk, air_vec3 weight, const air_ray *ray,
+                                 float t, air_path_lane *lane)
 {
     path_vertex *vertex = path_next_vertex(scratch);
     scratch->vertex_count++;
@@ -81,12 +84,13 @@ static void push_surface(const air_path *path, air_path_scratch *scratch, const 
         vertex->walk.first_medium = AIR_NO_MEDIUM;
     }
     vertex->on_surface = true;
-    vertex->receives = vertex->gathers = vertex->ends = false;
+    vertex->receives = vertex->gathers = vertex->ends = vertex->numbered = false;
     vertex->light_share = 1.0f;
     vertex->wo = vec3_neg(vec3_load(ray->dir));
     if (path->settings.vertex_hook != NULL) {
         call_hook(path, &scratch->media, lane, vertex, t);
     }
+    return vertex;
 }
 
 static path_vertex *push_medium(air_path_scratch *scratch, const path_walk *walk)
@@ -103,7 +107,7 @@ static path_vertex *push_medium(air_path_scratch *scratch, const path_walk *walk
         vertex->walk.branch = 1;
     }
     vertex->on_surface = false;
-    vertex->receives = vertex->gathers = vertex->ends = false;
+    vertex->receives = vertex->gathers = vertex->ends = vertex->numbered = false;
     vertex->light_share = 1.0f;
     return vertex;
 }
@@ -117,6 +121,13 @@ static void place_medium(const air_path *path, path_vertex *vertex, const air_ra
     if (path->settings.vertex_hook != NULL && !vertex->ends) {
         call_hook(path, media, lane, vertex, t);
     }
+}
+
+/* The event's light set was drawn from already. */
+static void set_numbers(path_vertex *vertex, const air_f32x4 *numbers)
+{
+    vertex->numbered = true;
+    memcpy(vertex->light_numbers, numbers, sizeof *numbers);
 }
 
 /* Draws the light of a medium event before its distance, so that the distance can follow it. False
@@ -133,7 +144,8 @@ static bool draw_light(const air_path *path, path_vertex *vertex, air_path_lane 
         return false;
     }
     path_draw_light(path, path_lights(path, vertex->walk.depth, false), lane, &vertex->walk,
-                    &vertex->at.medium.light, &vertex->at.medium.light_probability);
+                    vertex->numbered ? vertex->light_numbers : NULL, &vertex->at.medium.light,
+                    &vertex->at.medium.light_probability);
     return true;
 }
 
@@ -222,12 +234,16 @@ static void push_lit(const air_path *path, air_path_scratch *scratch, const path
 /* An event in the media of a closed ray. weight: the probability-compensated share of it that
  * scatters. The walk goes on from a distance drawn by extinction alone: if half of them were drawn
  * about the light, throughput would double with every event in dense media. Light worth following
- * is asked for there or at a distance of its own, by the balance heuristic. */
+ * is asked for there or at a distance of its own, by the balance heuristic. numbers: of the light
+ * set of the walk's next event, or NULL. */
 static void scatter_closed(const air_path *path, air_path_scratch *scratch, const path_walk *walk,
-                           float weight, float u, air_path_lane *lane)
+                           float weight, float u, const air_f32x4 *numbers, air_path_lane *lane)
 {
     const air_ray_media *media = &scratch->media;
     path_vertex *vertex = push_medium(scratch, walk);
+    if (numbers != NULL && vertex->walk.branch == walk->branch) {
+        set_numbers(vertex, numbers);
+    }
     air_distance_guide guide = {.share = 0.0f};
     const light_use use =
         draw_light(path, vertex, lane) ? use_light(path, scratch, vertex, &guide) : LIGHT_NONE;
@@ -272,7 +288,7 @@ static void events_closed(const air_path *path, air_path_scratch *scratch, const
             push_surface(path, scratch, walk, transmittance, ray, t, lane);
         }
         if (scatters && (path->settings.terms & medium_terms) != 0) {
-            scatter_closed(path, scratch, walk, 1.0f, lane->u_distance, lane);
+            scatter_closed(path, scratch, walk, 1.0f, lane->u_distance, NULL, lane);
         }
         return;
     }
@@ -284,13 +300,14 @@ static void events_closed(const air_path *path, air_path_scratch *scratch, const
     }
     path_walk next = *walk;
     next.depth++;
-    const float u = air_sampler_get(&lane->sampler, path_light_set(&next))[0];
+    const air_f32x4 u = air_sampler_get(&lane->sampler, path_light_set(&next));
     const float p = met ? air_distance_event_probability(media, walk->beta) : 1.0f;
-    if (u < p) {
-        scatter_closed(path, scratch, walk, 1.0f / p, u / p, lane);
+    if (u[0] < p) {
+        scatter_closed(path, scratch, walk, 1.0f / p, u[0] / p, &u, lane);
     } else if (met) {
-        push_surface(path, scratch, walk, vec3_scale(transmittance, 1.0f / (1.0f - p)), ray, t,
-                     lane);
+        set_numbers(push_surface(path, scratch, walk, vec3_scale(transmittance, 1.0f / (1.0f - p)),
+                                 ray, t, lane),
+                    &u);
     }
 }
 
@@ -377,7 +394,7 @@ void path_arrive_through(const air_path *path, air_path_scratch *scratch, const 
     const size_t first = scratch->vertex_count;
     if (media->closed) {
         const float u = air_sampler_get(&lane->sampler, path_through_set(walk))[3];
-        scatter_closed(path, scratch, walk, 1.0f, u, lane);
+        scatter_closed(path, scratch, walk, 1.0f, u, NULL, lane);
     } else {
         air_rng rng = path_ray_rng(lane, walk, 0x60000u);
         const air_collision collision = air_track_collision(media, walk->beta, &rng);

@@ -1,5 +1,6 @@
 /* gather.c: next-event estimation: one light per vertex, by power. */
 #include <float.h>
+#include <string.h>
 
 #include "core/phase.h"
 #include "path/tracking.h"
@@ -85,6 +86,9 @@ bool path_attenuate(const air_path *path, air_path_scratch *scratch, const air_r
 {
     const air_media *media = path->media;
     const air_vec3 origin = vec3_load(ray->origin), dir = vec3_load(ray->dir);
+    if (media->boundary_accelerator != NULL) {
+        return false; /* crossings of meshes cost as much as the ray: it may not arrive */
+    }
     if (media->all_constant) {
         if (media->region_count > 0) {
             *value = vec3_mul(*value, air_constant_transmittance(media, origin, dir, distance));
@@ -137,12 +141,15 @@ air_ray path_shadow_ray(const path_vertex *vertex, const air_connection *connect
 /* Lights without extent need no numbers for a point, and the first medium event has its own for the
  * choice. */
 void path_draw_light(const air_path *path, const air_light_table *lights, const air_path_lane *lane,
-                     const path_walk *walk, air_light_point *out_point, float *out_probability)
+                     const path_walk *walk, const float *known, air_light_point *out_point,
+                     float *out_probability)
 {
     const bool first_in_medium = walk->depth == 1 && walk->branch == 1;
     air_f32x4 u = {0.0f, 0.0f, 0.0f, 0.0f};
     float rest;
-    if (path->extended_lights || (lights->count > 1 && !first_in_medium)) {
+    if (known != NULL) {
+        memcpy(&u, known, sizeof u);
+    } else if (path->extended_lights || (lights->count > 1 && !first_in_medium)) {
         u = air_sampler_get(&lane->sampler, path_light_set(walk));
     }
     const float pick = first_in_medium ? lane->u_pick : u[1];
@@ -211,7 +218,8 @@ void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane 
     float probability = vertex->at.medium.light_probability;
     air_vec3 position = vertex->at.medium.position;
     if (vertex->on_surface) {
-        path_draw_light(path, lights, lane, walk, &drawn, &probability);
+        path_draw_light(path, lights, lane, walk, vertex->numbered ? vertex->light_numbers : NULL,
+                        &drawn, &probability);
         position = vertex->at.surface.position;
     } else {
         light = &vertex->at.medium.light;
@@ -238,7 +246,7 @@ void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane 
         path_respond_light(path, scratch, vertex, light, &connection, probability, lane, &shadow);
     }
     air_ray ray = path_shadow_ray(vertex, &connection, light);
-    shadow.tracked = !path_attenuate(path, scratch, &ray, connection.distance, &light_here);
+    shadow.late = !path_attenuate(path, scratch, &ray, connection.distance, &light_here);
     shadow.value = vec3_mul(walk->beta, light_here);
     shadow.carried = vec3_mul(walk->scattered, light_here);
     if (vec3_is_zero(shadow.value) && vec3_is_zero(shadow.scattered) &&

@@ -360,7 +360,7 @@ static void receive(path_vertex *vertex, size_t i, air_path_lane *lane)
                                .beta = vec3_set1(1.0f),
                                .dense = 1.0f};
     vertex->on_surface = vertex->receives = true;
-    vertex->gathers = vertex->ends = false;
+    vertex->gathers = vertex->ends = vertex->numbered = false;
     vertex->light_share = 1.0f;
     vertex->at.surface.position = receiver->position;
     vertex->at.surface.normal = receiver->geometric;

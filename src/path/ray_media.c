@@ -88,11 +88,14 @@ void air_ray_media_make(air_ray_media *ray, const air_media *media, air_vec3 ori
     }
 }
 
-air_vec3 air_constant_transmittance(const air_media *media, air_vec3 origin, air_vec3 dir,
-                                    float tmax)
+/* The optical depth of a whole ray through media of constant density. */
+static air_vec3 constant_depth(const air_media *media, air_vec3 origin, air_vec3 dir, float tmax)
 {
+    if (air_media_fill_space(media)) {
+        return vec3_scale(media->regions[0].sigma_t, tmax);
+    }
     air_segment found[AIR_MAX_SEGMENTS];
-    const size_t count = air_media_segments(media, origin, dir, float_min(tmax, AIR_FAR), found);
+    const size_t count = air_media_segments(media, origin, dir, tmax, found);
     air_vec3 depth = vec3_set1(0.0f);
     for (size_t i = 0; i < count; i++) {
         for (uint64_t rest = found[i].regions; rest != 0; rest &= rest - 1) {
@@ -100,6 +103,13 @@ air_vec3 air_constant_transmittance(const air_media *media, air_vec3 origin, air
             depth = vec3_madd(depth, found[i].t1 - found[i].t0, region->sigma_t);
         }
     }
+    return depth;
+}
+
+air_vec3 air_constant_transmittance(const air_media *media, air_vec3 origin, air_vec3 dir,
+                                    float tmax)
+{
+    const air_vec3 depth = constant_depth(media, origin, dir, float_min(tmax, AIR_FAR));
     if (depth.x == depth.y && depth.x == depth.z) {
         return vec3_set1(air_exp(-depth.x));
     }

@@ -231,12 +231,12 @@ static void queue_pair(const air_path *path, air_path_scratch *scratch, const pa
                         AIR_MASK_SHADOW_OPAQUE},
                        path_shadow_ray(event, connection, light)};
     parts[0].stream = 0x70000u;
-    parts[0].tracked = tracked;
+    parts[0].late = tracked;
     parts[0].paired = true;
     parts[0].distance = way->t;
     parts[1].stream = 0x70001u;
     parts[1].distance = connection->distance;
-    parts[1].tracked = !path_attenuate(path, scratch, &rays[1], connection->distance, &value);
+    parts[1].late = !path_attenuate(path, scratch, &rays[1], connection->distance, &value);
     parts[0].value = value;
     if (vec3_is_zero(value)) {
         return;
@@ -352,7 +352,7 @@ void path_ask_through(const air_path *path, air_path_scratch *scratch, air_path_
         path_lights(path, 2, false)->count == 0) {
         return;
     }
-    path_draw_light(path, path_lights(path, 2, false), lane, &event, &lane->through_light,
+    path_draw_light(path, path_lights(path, 2, false), lane, &event, NULL, &lane->through_light,
                     &lane->through_probability);
     if (lane->through_light.infinite) {
         ask_sky(path, scratch, lane, vertex);

@@ -43,8 +43,10 @@ typedef struct path_vertex {
     bool receives;     /* a receiver: at.surface has position, normals and offset only */
     bool ends;         /* light is asked for, the walk goes on elsewhere */
     bool gathers;      /* a medium's point that sends what the source says */
+    bool numbered;     /* its light set was drawn from before: light_numbers */
     float light_share; /* factor on the light asked for */
-    air_vec3 wo;       /* towards where the walk came from */
+    float light_numbers[4];
+    air_vec3 wo; /* towards where the walk came from */
     union {
         air_surface surface;
         struct {
@@ -70,7 +72,7 @@ typedef struct path_shadow {
     uint32_t lane;
     uint32_t target;
     uint32_t stream; /* of random numbers, should the way be tracked */
-    bool tracked;    /* value is still without the transmittance */
+    bool late;       /* value is still without the transmittance */
     bool paired;     /* the next shadow ray is the way's other part; it carries no value itself */
     float distance;  /* to the light, over which the media act */
 } path_shadow;
@@ -222,9 +224,11 @@ typedef struct path_mixture {
 
 void path_mixture_make(const air_path *path, const path_vertex *vertex, path_mixture *out);
 
-/* Chooses a light by power, and a point on it, for an event; the light table must not be empty. */
+/* Chooses a light by power, and a point on it, for an event; the light table must not be empty.
+ * known: the numbers of the walk's light set, or NULL. */
 void path_draw_light(const air_path *path, const air_light_table *lights, const air_path_lane *lane,
-                     const path_walk *walk, air_light_point *out_point, float *out_probability);
+                     const path_walk *walk, const float *known, air_light_point *out_point,
+                     float *out_probability);
 
 static inline bool path_responds(const air_path *path)
 {
@@ -258,8 +262,8 @@ void path_arrive_through(const air_path *path, air_path_scratch *scratch, const 
 air_vec3 path_mixture_eval(const air_path *path, const path_vertex *vertex,
                            const path_mixture *mixture, air_vec3 wi, uint32_t light_owner,
                            float *out_pdf);
-/* Multiplies value by the transmittance of the ray up to distance, in closed form if possible; says
- * whether it was. */
+/* Multiplies value by the transmittance of the ray up to distance, where a closed form is cheap;
+ * says whether it did. If not, path_connect does where the ray arrives. */
 bool path_attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
                     float distance, air_vec3 *value);
 air_ray path_shadow_ray(const path_vertex *vertex, const air_connection *connection,
