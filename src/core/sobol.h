@@ -25,15 +25,10 @@ void air_sobol_init(air_sobol *sobol);
 
 typedef struct air_sampler {
     const air_sobol *sobol;
-    uint32_t seed;  /* hash of pixel, render seed and scrambling */
-    uint32_t index; /* within the run of 65,536 */
+    uint32_t seed;     /* hash of pixel, render seed and scrambling */
+    uint32_t index;    /* within the run of 65,536 */
+    uint32_t reversed; /* its bits */
 } air_sampler;
-
-static inline air_sampler air_sampler_make(const air_sobol *sobol, uint32_t pixel_seed,
-                                           uint32_t index)
-{
-    return (air_sampler){sobol, air_hash_combine(pixel_seed, index >> 16), index & 0xffffu};
-}
 
 static inline uint32_t air_reverse_bits(uint32_t x)
 {
@@ -41,6 +36,14 @@ static inline uint32_t air_reverse_bits(uint32_t x)
     x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
     x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
     return ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+}
+
+static inline air_sampler air_sampler_make(const air_sobol *sobol, uint32_t pixel_seed,
+                                           uint32_t index)
+{
+    const uint32_t within = index & 0xffffu;
+    return (air_sampler){sobol, air_hash_combine(pixel_seed, index >> 16), within,
+                         air_reverse_bits(within)};
 }
 
 static inline air_u32x4 air_reverse_bits4(air_u32x4 x)
@@ -89,7 +92,7 @@ static inline air_f32x4 air_sampler_get(const air_sampler *sampler, uint32_t set
 {
     const uint32_t seed = air_hash_combine(sampler->seed, set);
     const uint32_t shuffled =
-        air_reverse_bits(air_owen_reversed(air_reverse_bits(sampler->index), seed)) & 0xffffu;
+        air_reverse_bits(air_owen_reversed(sampler->reversed, seed)) & 0xffffu;
     const air_u32x4 point =
         sampler->sobol->low[shuffled & 255u] ^ sampler->sobol->high[shuffled >> 8];
     const air_u32x4 lanes = {0x68bc21ebu, 0x02e5be93u, 0x967a889bu, 0x31848babu};

@@ -239,6 +239,9 @@ static void leave(const air_path *path, air_path_scratch *scratch, const path_ve
             return;
         }
     }
+    /* early, so that it is worked out beside the light */
+    const air_f32x4 u =
+        air_sampler_get(&lanes[vertex->walk.lane].sampler, path_direction_set(&vertex->walk));
     path_gather(path, scratch, lanes, vertex, &mixture);
     if (vertex->gathers && path->settings.source.scattered != NULL) {
         add_source(path, vertex, &mixture, &lanes[vertex->walk.lane]);
@@ -253,7 +256,6 @@ static void leave(const air_path *path, air_path_scratch *scratch, const path_ve
     if (walk.depth >= path->settings.max_depth && !path->hittable_lights) {
         return;
     }
-    const air_f32x4 u = air_sampler_get(&lanes[walk.lane].sampler, path_direction_set(&walk));
     air_vec3 dir;
     const bool sampled = vertex->receives ? sample_receiver(u, &walk, &dir, &lanes[walk.lane])
                          : vertex->on_surface

@@ -107,6 +107,10 @@ void air_metallic_make(const air_bsdf_input *input, air_bsdf *out)
 {
     const air_vec3 base = clamp01_rgb(input->base_color);
     const float metallic = clamp01(input->metallic);
+    if (metallic == 0.0f && input->specular == 0.0f) {
+        out->diffuse = base;
+        return;
+    }
     out->diffuse = vec3_scale(base, 1.0f - metallic);
     const float ratio = (input->ior - 1.0f) / (input->ior + 1.0f);
     const float dielectric = clamp01(ratio * ratio) * clamp01(input->specular);
@@ -234,9 +238,23 @@ float air_metallic_sample_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
     return pdf_local(bsdf, frame_to_local(&bsdf->frame, wo), frame_to_local(&bsdf->frame, wi));
 }
 
+/* The base alone: nothing depends on wo. */
+static bool sample_lambert(const air_bsdf *bsdf, const float u[3], air_vec3 *out_wi,
+                           air_vec3 *out_weight, float *out_pdf)
+{
+    const air_vec3 local = sample_cosine_hemisphere(u[0], u[1]);
+    *out_wi = frame_to_world(&bsdf->frame, local);
+    *out_weight = bsdf->diffuse;
+    *out_pdf = sample_cosine_hemisphere_pdf(local.z);
+    return local.z > 0.0f && vec3_dot(*out_wi, bsdf->normal) > 0.0f;
+}
+
 bool air_metallic_sample(const air_bsdf *bsdf, air_vec3 wo, const float u[3], air_vec3 *out_wi,
                          air_vec3 *out_weight, float *out_pdf)
 {
+    if (bsdf->f90 == 0.0f) {
+        return sample_lambert(bsdf, u, out_wi, out_weight, out_pdf);
+    }
     const air_vec3 local_o = frame_to_local(&bsdf->frame, wo);
     const air_vec3 local_i = u[2] < bsdf->specular_share
                                  ? ggx_sample(local_o, bsdf->alpha, u[0], u[1])
@@ -245,13 +263,8 @@ bool air_metallic_sample(const air_bsdf *bsdf, air_vec3 wo, const float u[3], ai
     if (!(local_i.z > 0.0f) || !(vec3_dot(wi, bsdf->normal) > 0.0f)) {
         return false;
     }
-    if (bsdf->f90 == 0.0f) {
-        *out_pdf = sample_cosine_hemisphere_pdf(local_i.z);
-        *out_weight = bsdf->diffuse;
-    } else {
-        *out_pdf = pdf_local(bsdf, local_o, local_i);
-        *out_weight = vec3_scale(eval_local(bsdf, local_o, local_i), 1.0f / *out_pdf);
-    }
+    *out_pdf = pdf_local(bsdf, local_o, local_i);
+    *out_weight = vec3_scale(eval_local(bsdf, local_o, local_i), 1.0f / *out_pdf);
     *out_wi = wi;
     return true;
 }
