@@ -96,6 +96,7 @@ static air_status choose_lights(air_path *path, bool first, bool on_surface)
     *out = *lights;
     /* responses follow the way to the light point itself */
     out->spheres_by_sight = path->settings.respond.patch == NULL;
+    out->spheres_unplaced = on_surface; /* only distances follow places */
     for (size_t i = 0; i < lights->count; i++) {
         if (is_asked(path, i, first, on_surface)) {
             total += air_light_pick_probability(lights, (uint32_t)i);

@@ -143,6 +143,13 @@ void air_texture_texel(const air_texture *texture, size_t x, size_t y, float out
 {
     const size_t channels = texture->channels;
     const size_t first = (y * texture->width + x) * channels;
+    if (channels == 3 && texture->srgb && texture->bytes != NULL) { /* the usual case */
+        const uint8_t *bytes = texture->bytes + first;
+        for (size_t i = 0; i < 3; ++i)
+            out_rgba[i] = srgb_to_linear[bytes[i]];
+        out_rgba[3] = 1.0f;
+        return;
+    }
     out_rgba[0] = colour_value(texture, first);
     if (channels < 3) {
         out_rgba[1] = out_rgba[2] = out_rgba[0];

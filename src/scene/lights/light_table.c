@@ -34,7 +34,7 @@ void air_light_sample(const air_light_table *table, uint32_t entry, float u1, fl
         break;
     case AIR_LIGHT_POLYGON:
         if (light->quadric != NULL) {
-            air_quadric_lamp_sample(light, table->spheres_by_sight, u1, u2, out);
+            air_quadric_lamp_sample(light, table, u1, u2, out);
         } else {
             air_polygon_sample(light, u1, u2, out);
         }

@@ -92,16 +92,20 @@ static void finish_place(const air_light *light, const double local[3], air_ligh
     out->pdf = (float)area_pdf(light->quadric, local);
 }
 
-void air_quadric_lamp_sample(const air_light *light, bool by_sight, float u1, float u2,
-                             air_light_point *out)
+void air_quadric_lamp_sample(const air_light *light, const air_light_table *table, float u1,
+                             float u2, air_light_point *out)
 {
+    const bool sight = goes_by_sight(light, table->spheres_by_sight);
     double local[3];
-    air_quadric_sample(light->quadric->shape, u1, u2, local);
-    out->position = air_quadric_to_world(light->quadric, local);
     out->curved = true;
     out->u[0] = u1;
     out->u[1] = u2;
-    if (!goes_by_sight(light, by_sight)) {
+    if (sight && table->spheres_unplaced) {
+        return;
+    }
+    air_quadric_sample(light->quadric->shape, u1, u2, local);
+    out->position = air_quadric_to_world(light->quadric, local);
+    if (!sight) {
         finish_place(light, local, out);
     }
 }
@@ -209,6 +213,7 @@ static bool connect_by_area_instead(const air_light *light, air_light_point draw
 {
     double local[3];
     air_quadric_sample(light->quadric->shape, drawn.u[0], drawn.u[1], local);
+    drawn.position = air_quadric_to_world(light->quadric, local);
     finish_place(light, local, &drawn);
     return connect_by_area(light, &drawn, point, out);
 }

@@ -17,8 +17,8 @@ void air_quadric_lamp_build(const air_mesh *mesh, const air_material *material, 
 air_vec3 air_quadric_lamp_mean(const air_light *light);
 
 /* See light_table.h. by_sight: as air_light_table.spheres_by_sight says. */
-void air_quadric_lamp_sample(const air_light *light, bool by_sight, float u1, float u2,
-                             air_light_point *out);
+void air_quadric_lamp_sample(const air_light *light, const air_light_table *table, float u1,
+                             float u2, air_light_point *out);
 bool air_quadric_lamp_connect(const air_light *light, bool by_sight,
                               const air_light_point *light_point, air_vec3 point,
                               air_connection *out);
