@@ -14,20 +14,18 @@ typedef struct pictured_scene {
     /* Shares of the pixels that must have any light and any light from the media: what the camera
      * sees of them, with room for the noise of 16 samples. */
     double lit, foggy;
-    bool warns;
 } pictured_scene;
 
 static const pictured_scene scenes[] = {
     /* A hut in the sun; fog in and around it, in front of two fifths of the picture. */
     {"/scenes/bevy/VolumetricFogExample/VolumetricFogExample.glb",
-     "box=-8,0,-9:8,8,9,sigma_s=0.1,sigma_a=0.01,g=0.5", NULL, 0.4, 0.4, false},
+     "box=-8,0,-9:8,8,9,sigma_s=0.1,sigma_a=0.01,g=0.5", NULL, 0.4, 0.4},
     {"/scenes/gltf_playcanvas/house.glb", "box=-0.4,0,-0.4:0.4,0.3,0.4,sigma_s=2,g=0.3",
-     "constant=0.8,0.9,1", 1.0, 0.3, false},
+     "constant=0.8,0.9,1", 1.0, 0.3},
     /* Point lights everywhere in reach of the camera's rays. */
     {"/scenes/gltf_khronos/LightsPunctualLamp/glTF/LightsPunctualLamp.gltf",
-     "unbounded,visibility=20m", NULL, 0.99, 0.99, true},
-    {"scenes/smoke/smoke.gltf", NULL, AIR_SHARED_DIR "/scenes/hdr/vestibule_1k.hdr", 1.0, 0.1,
-     false},
+     "unbounded,visibility=20m", NULL, 0.99, 0.99},
+    {"scenes/smoke/smoke.gltf", NULL, AIR_SHARED_DIR "/scenes/hdr/vestibule_1k.hdr", 1.0, 0.1},
 };
 
 enum { WIDTH = 64, HEIGHT = 48, PIXELS = WIDTH * HEIGHT, TEXT = 4096 };
@@ -137,7 +135,7 @@ static void pictures_of_scenes_in_fog_are_sound(void **state)
                       100.0 * lit, 100.0 * foggy);
         assert_sound(image);
         assert_true(lit >= scenes[i].lit && foggy >= scenes[i].foggy);
-        if ((messages[0] != '\0') != scenes[i].warns)
+        if (messages[0] != '\0')
             fail_msg("%s: messages: %s", scenes[i].path, messages);
         air_image_destroy(image);
         air_context_destroy(context);
