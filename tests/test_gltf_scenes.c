@@ -152,8 +152,8 @@ static void assert_says(const char *messages, const char *part)
 static void an_invalid_gltf_is_warned_of(void **state)
 {
     (void)state;
-    static const pictured_scene cornell = {
-        "/scenes/gltf_nvpro_cornell/cornellBox.gltf", NULL, NULL, 0.0, 0.0, true};
+    static const pictured_scene cornell = {"/scenes/gltf_nvpro_cornell/cornellBox.gltf", NULL, NULL,
+                                           0.0, 0.0};
     char messages[TEXT];
     need_shared_scenes();
     air_context *context = listening_context(messages);

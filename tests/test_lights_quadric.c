@@ -30,6 +30,7 @@ static void make_lamp(air_context *context, air_ray_shape shape, const float map
                                            &s->table, &first),
                      AIR_OK);
     assert_int_equal(s->table.count, 1);
+    s->table.spheres_by_sight = true;
     assert_int_equal(first, 0);
 }
 

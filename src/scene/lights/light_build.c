@@ -244,8 +244,7 @@ air_status air_light_table_build(air_context *context, const air_light_source *l
                         "%zu lights and %zu emissive surfaces, but a scene can have %u together",
                         count, emissive, UINT32_MAX - 1);
     }
-    air_light_table table = {
-        .explicit_count = count, .count = count + emissive, .spheres_by_sight = true};
+    air_light_table table = {.explicit_count = count, .count = count + emissive};
     table.owner_count = count + (any_glows(meshes, mesh_count, materials) ? 1 : 0);
     set_scene_sphere(bounds_min, bounds_max, &table);
     air_status status = AIR_OK;

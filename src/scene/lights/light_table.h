@@ -52,8 +52,9 @@ typedef struct air_light_table {
     size_t count;          /* all entries */
     size_t explicit_count; /* the first ones; emissive surfaces follow */
     size_t owner_count;    /* explicit_count, plus 1 if there are emissive surfaces */
-    bool spheres_by_sight; /* a connection draws its own place on a sphere, of what the point sees;
-                              false: it leads to the place of the light point, as for all others */
+    bool spheres_by_sight; /* a connection draws its own place on a sphere, of what the point sees,
+                              and light points have nothing but a place (path alone asks so); false:
+                              it leads to the place of the light point, as for all others */
     bool spheres_unplaced; /* then not even the light point has a place on a sphere */
     float *cdf;            /* cumulative selection probability over entries; last is 1 */
     uint32_t environment_count;
