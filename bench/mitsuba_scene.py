@@ -162,6 +162,17 @@ def thinner(path, out, factor):
     tree.write(out)
 
 
+def two_sided(path, out):
+    """Writes a scene whose materials reflect on both sides; for scenes without further files."""
+    tree = ElementTree.parse(path)
+    for bsdf in tree.getroot().findall("bsdf"):
+        inner = ElementTree.Element("bsdf", type=bsdf.get("type"))
+        inner[:] = bsdf[:]
+        bsdf[:] = [inner]
+        bsdf.set("type", "twosided")
+    tree.write(out)
+
+
 def write(path, out, width, height, depth):
     """Writes a scene for Mitsuba 3 to `out`; depth: events that are counted at most, None: all."""
     folder = os.path.dirname(os.path.abspath(out))
