@@ -67,7 +67,7 @@ air_import_object *air_mitsuba_add_item(air_mitsuba *mitsuba, air_xml *at, const
         mitsuba->item_capacity = capacity;
     }
     air_mitsuba_item *item = &mitsuba->items[mitsuba->item_count];
-    item->at = at;
+    *item = (air_mitsuba_item){.at = at};
     memcpy(item->instance_to_world, instance_to_world, sizeof item->instance_to_world);
     air_import_object *object = air_import_add_object(mitsuba->import);
     if (object == NULL)
