@@ -237,7 +237,9 @@ static void render_block(const render_pass *pass, pass_worker *worker, const pix
     }
     trace_block(pass, worker, lanes, ratios, count * size);
     for (size_t i = 0; i < count * size; i++) {
-        weigh(weights[i], &lanes[i], &ratios[i]);
+        if (weights[i] != 1.0f) {
+            weigh(weights[i], &lanes[i], &ratios[i]);
+        }
     }
     for (size_t i = 0; i < count; i++) {
         memset(worker->block, 0, stride * sizeof *worker->block);
