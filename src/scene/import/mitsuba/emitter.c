@@ -123,9 +123,7 @@ static air_status read_envmap(air_mitsuba *mitsuba, const air_xml *at, air_light
     float scale = 1.0f;
     desc->kind = AIR_LIGHT_ENVIRONMENT;
     air_mitsuba_ignore(at, ignored, sizeof ignored / sizeof *ignored);
-    air_status status = air_mitsuba_string(mitsuba, at, "filename", &name);
-    if (status == AIR_OK && name == NULL)
-        status = air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT, "expected the parameter filename");
+    air_status status = air_mitsuba_filename(mitsuba, at, &name);
     if (status == AIR_OK)
         status = air_mitsuba_float(mitsuba, at, "scale", &scale);
     if (status == AIR_OK)

@@ -60,6 +60,16 @@ static char *candidate(const air_mitsuba *mitsuba, const air_xml *at, const char
     return path;
 }
 
+air_status air_mitsuba_filename(const air_mitsuba *mitsuba, const air_xml *at,
+                                const char **out_name)
+{
+    *out_name = NULL;
+    const air_status status = air_mitsuba_string(mitsuba, at, "filename", out_name);
+    return status == AIR_OK && *out_name == NULL
+               ? air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT, "expected the parameter filename")
+               : status;
+}
+
 air_status air_mitsuba_file(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
                             char **out_path)
 {

@@ -74,6 +74,10 @@ air_status air_mitsuba_resolve(const air_mitsuba *mitsuba, air_xml *at, air_xml 
 
 /* ---- file_path.c ---- */
 
+/* The parameter that names an element's file, which must be there. */
+air_status air_mitsuba_filename(const air_mitsuba *mitsuba, const air_xml *at,
+                                const char **out_name);
+
 /* Where a file that an element names lies: beside the file it stands in, beside the scene, or in a
  * <path>; a fresh string. Refuses what is outside the scene's folder unless params say otherwise.
  */

@@ -185,9 +185,7 @@ static air_status read_mesh_file(const air_mitsuba *mitsuba, const air_xml *at,
     bool face_normals = false, flip_v = format == AIR_MESH_OBJ;
     long index = 0;
     air_mitsuba_ignore(at, ignored, sizeof ignored / sizeof *ignored);
-    air_status status = air_mitsuba_string(mitsuba, at, "filename", &name);
-    if (status == AIR_OK && name == NULL)
-        status = air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT, "expected the parameter filename");
+    air_status status = air_mitsuba_filename(mitsuba, at, &name);
     if (status == AIR_OK)
         status = air_mitsuba_boolean(mitsuba, at, "face_normals", &face_normals);
     if (status == AIR_OK)

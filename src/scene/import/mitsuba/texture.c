@@ -177,9 +177,7 @@ static air_status add_bitmap(air_mitsuba *mitsuba, const air_xml *at, bool linea
     const char *name = NULL;
     char *path = NULL;
     air_texture_desc desc = {.name = air_mitsuba_name(at)};
-    air_status status = air_mitsuba_string(mitsuba, at, "filename", &name);
-    if (status == AIR_OK && name == NULL)
-        status = air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT, "expected the parameter filename");
+    air_status status = air_mitsuba_filename(mitsuba, at, &name);
     if (status == AIR_OK)
         status = read_sampling(mitsuba, at, &desc);
     if (status == AIR_OK)

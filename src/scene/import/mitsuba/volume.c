@@ -82,9 +82,7 @@ static air_status load_grid(air_mitsuba *mitsuba, air_xml *at, air_handle *out_h
         *out_handle = made->handle;
         return AIR_OK;
     }
-    air_status status = air_mitsuba_string(mitsuba, at, "filename", &name);
-    if (status == AIR_OK && name == NULL)
-        status = air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT, "expected the parameter filename");
+    air_status status = air_mitsuba_filename(mitsuba, at, &name);
     if (status == AIR_OK)
         status = air_mitsuba_file(mitsuba, at, name, &path);
     if (status == AIR_OK)
