@@ -202,6 +202,7 @@ static air_status report_unused(const air_mitsuba *mitsuba, const air_xml *at)
 static void mitsuba_finish(air_mitsuba *mitsuba)
 {
     air_mitsuba_regions_finish(mitsuba);
+    air_mitsuba_bytes_finish(mitsuba->context, &mitsuba->shapes);
     air_free(mitsuba->context, mitsuba->items);
     air_free(mitsuba->context, mitsuba->named);
     air_free(mitsuba->context, mitsuba->folder);

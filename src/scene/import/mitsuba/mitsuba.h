@@ -39,6 +39,13 @@ typedef struct air_mitsuba_region {
     struct air_mitsuba_region *next;
 } air_mitsuba_region;
 
+/* The bytes of a file; path NULL: of none. */
+typedef struct air_mitsuba_bytes {
+    char *path;
+    void *data;
+    size_t size;
+} air_mitsuba_bytes;
+
 typedef struct air_mitsuba {
     air_context *context;
     air_import *import;
@@ -56,6 +63,7 @@ typedef struct air_mitsuba {
     air_mitsuba_item *items;
     size_t item_count, item_capacity;
     air_mitsuba_region *regions;       /* the last one first */
+    air_mitsuba_bytes shapes;          /* the .serialized read last: it may hold many shapes */
     const air_xml *sensor;             /* the first one, NULL: none */
     size_t nesting;                    /* of what is being read: references may go in circles */
     bool both_sides;                   /* what is being read is within <bsdf type="twosided"> */
@@ -226,8 +234,9 @@ air_status air_mitsuba_append_triangles(air_context *context, const air_mitsuba_
                                         air_import_geometry *geometry);
 /* Collects a shape, or what an instance stands for. */
 air_status air_mitsuba_collect_shape(air_mitsuba *mitsuba, air_xml *at);
-air_status air_mitsuba_read_geometry(const air_mitsuba *mitsuba, const air_mitsuba_item *item,
+air_status air_mitsuba_read_geometry(air_mitsuba *mitsuba, const air_mitsuba_item *item,
                                      air_mitsuba_geometry *out);
+void air_mitsuba_bytes_finish(air_context *context, air_mitsuba_bytes *bytes);
 void air_mitsuba_geometry_finish(air_context *context, air_mitsuba_geometry *geometry);
 /* Rectangle and cube. */
 air_status air_mitsuba_solid(air_context *context, const air_xml *at, air_mitsuba_geometry *out);

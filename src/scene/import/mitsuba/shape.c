@@ -176,8 +176,33 @@ static void orient_triangles(air_mesh_file *mesh)
     }
 }
 
-static air_status read_mesh_file(const air_mitsuba *mitsuba, const air_xml *at,
-                                 air_mesh_format format, air_mesh_file *mesh)
+void air_mitsuba_bytes_finish(air_context *context, air_mitsuba_bytes *bytes)
+{
+    air_free(context, bytes->path);
+    air_free(context, bytes->data);
+    *bytes = (air_mitsuba_bytes){0};
+}
+
+/* One of the shapes of a .serialized, which is read once for those that follow each other. */
+static air_status read_serialized(air_mitsuba *mitsuba, const char *path, size_t index,
+                                  air_mesh_file *mesh)
+{
+    air_mitsuba_bytes *bytes = &mitsuba->shapes;
+    if (bytes->path == NULL || strcmp(bytes->path, path) != 0) {
+        air_mitsuba_bytes_finish(mitsuba->context, bytes);
+        const air_status status = air_file_read(mitsuba->context, path, &bytes->data, &bytes->size);
+        if (status != AIR_OK)
+            return status;
+        bytes->path = air_string_copy(mitsuba->context, path);
+        if (bytes->path == NULL)
+            return air_fail_memory(mitsuba->context, path);
+    }
+    return air_mesh_file_decode(mitsuba->context, path, AIR_MESH_SERIALIZED, index, bytes->data,
+                                bytes->size, mesh);
+}
+
+static air_status read_mesh_file(air_mitsuba *mitsuba, const air_xml *at, air_mesh_format format,
+                                 air_mesh_file *mesh)
 {
     static const char *const ignored[] = {"collapse", "shape_name", "srgb"};
     const char *name = NULL;
@@ -200,7 +225,9 @@ static air_status read_mesh_file(const air_mitsuba *mitsuba, const air_xml *at,
     if (status == AIR_OK)
         status = air_xml_place_error(
             &mitsuba->document, at,
-            air_mesh_file_read(mitsuba->context, path, format, (size_t)index, mesh));
+            format == AIR_MESH_SERIALIZED
+                ? read_serialized(mitsuba, path, (size_t)index, mesh)
+                : air_mesh_file_read(mitsuba->context, path, format, (size_t)index, mesh));
     air_free(mitsuba->context, path);
     if (status != AIR_OK)
         return status;
@@ -219,7 +246,7 @@ void air_mitsuba_geometry_finish(air_context *context, air_mitsuba_geometry *geo
     air_mesh_file_finish(context, &geometry->mesh);
 }
 
-static air_status read_type(const air_mitsuba *mitsuba, const air_xml *at, float local[12],
+static air_status read_type(air_mitsuba *mitsuba, const air_xml *at, float local[12],
                             air_mitsuba_geometry *out)
 {
     const size_t type = type_of(at);
@@ -240,7 +267,7 @@ static air_status read_type(const air_mitsuba *mitsuba, const air_xml *at, float
     return air_mitsuba_solid(mitsuba->context, at, out);
 }
 
-air_status air_mitsuba_read_geometry(const air_mitsuba *mitsuba, const air_mitsuba_item *item,
+air_status air_mitsuba_read_geometry(air_mitsuba *mitsuba, const air_mitsuba_item *item,
                                      air_mitsuba_geometry *out)
 {
     float local[12];
@@ -373,7 +400,7 @@ air_status air_mitsuba_append_triangles(air_context *context, const air_mitsuba_
 air_status air_mitsuba_append_geometry(void *user, const air_import_object *object,
                                        air_import_geometry *geometry)
 {
-    const air_mitsuba *mitsuba = user;
+    air_mitsuba *mitsuba = user;
     const air_mitsuba_item *item = &mitsuba->items[object->mesh];
     air_mitsuba_geometry shape = {0};
     air_status status = air_mitsuba_read_geometry(mitsuba, item, &shape);
