@@ -12,22 +12,28 @@ static air_vec3 reflected(const air_bsdf *bsdf, float cos_o)
                                             air_fresnel_conductor(c, eta.z, absorption.z)));
 }
 
-static float pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
+/* 0 without a normal where no facets reflect to wi. */
+static float pdf_and_normal(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi, air_vec3 *out_h)
 {
     if (air_facets_smooth(&bsdf->facets) || !(wi.z > 0.0f)) {
         return 0.0f;
     }
-    const air_vec3 h = vec3_normalize(vec3_add(wo, wi));
-    return air_facets_sample_pdf(&bsdf->facets, wo, h) * 0.25f / vec3_dot(wo, h);
+    return air_facets_reflect_pdf(&bsdf->facets, wo, wi, out_h);
+}
+
+static float pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
+{
+    air_vec3 h;
+    return pdf_and_normal(bsdf, wo, wi, &h);
 }
 
 static air_vec3 eval(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
 {
-    const float density = pdf(bsdf, wo, wi);
+    air_vec3 h;
+    const float density = pdf_and_normal(bsdf, wo, wi, &h);
     if (density == 0.0f) {
         return vec3_set1(0.0f);
     }
-    const air_vec3 h = vec3_normalize(vec3_add(wo, wi));
     return vec3_scale(reflected(bsdf, vec3_dot(wo, h)),
                       density * air_facets_seen(&bsdf->facets, wi, h));
 }

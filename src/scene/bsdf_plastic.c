@@ -116,12 +116,6 @@ air_vec3 air_plastic_eval_base(const air_bsdf *bsdf, float cos_o, float cos_i)
     return vec3_scale(bsdf->diffuse_scale, passed(bsdf, cos_o) * passed(bsdf, cos_i) * cos_i);
 }
 
-static float highlight_pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi, air_vec3 *out_h)
-{
-    *out_h = vec3_normalize(vec3_add(wo, wi));
-    return air_facets_sample_pdf(&bsdf->facets, wo, *out_h) * 0.25f / vec3_dot(wo, *out_h);
-}
-
 static air_vec3 eval(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
 {
     if (!(wi.z > 0.0f)) {
@@ -132,7 +126,7 @@ static air_vec3 eval(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
         return base;
     }
     air_vec3 h;
-    const float density = highlight_pdf(bsdf, wo, wi, &h);
+    const float density = air_facets_reflect_pdf(&bsdf->facets, wo, wi, &h);
     return vec3_madd(base, density * air_facets_seen(&bsdf->facets, wi, h),
                      reflected(bsdf, vec3_dot(wo, h)));
 }
@@ -144,7 +138,7 @@ static float pdf(const air_bsdf *bsdf, air_vec3 wo, air_vec3 wi)
     if (air_facets_smooth(&bsdf->facets) || !(wi.z > 0.0f)) {
         return base;
     }
-    return base + bsdf->specular_share * highlight_pdf(bsdf, wo, wi, &h);
+    return base + bsdf->specular_share * air_facets_reflect_pdf(&bsdf->facets, wo, wi, &h);
 }
 
 static bool sample(const air_bsdf *bsdf, air_vec3 wo, const float u[3], air_vec3 *out_wi,

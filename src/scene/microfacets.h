@@ -35,4 +35,13 @@ static inline float air_facets_sample_pdf(const air_facets *facets, air_vec3 w, 
            w.z;
 }
 
+/* The density per solid angle of directions that facets so drawn reflect to, wi.z > 0; *out_h: the
+ * facet's normal. */
+static inline float air_facets_reflect_pdf(const air_facets *facets, air_vec3 wo, air_vec3 wi,
+                                           air_vec3 *out_h)
+{
+    *out_h = vec3_normalize(vec3_add(wo, wi));
+    return air_facets_sample_pdf(facets, wo, *out_h) * 0.25f / vec3_dot(wo, *out_h);
+}
+
 #endif
