@@ -57,9 +57,9 @@ bool air_light_connect(const air_light_table *table, const air_light_point *ligh
     case AIR_LIGHT_COLLIMATED:
         return air_collimated_connect(light, point, out);
     case AIR_LIGHT_POLYGON:
-        return light->quadric != NULL ? air_quadric_lamp_connect(light, table->spheres_by_sight,
-                                                                 light_point, point, out)
-                                      : air_polygon_connect(light, light_point, point, out);
+        return light->quadric != NULL
+                   ? air_quadric_lamp_connect(light, table, light_point, point, out)
+                   : air_polygon_connect(light, light_point, point, out);
     case AIR_LIGHT_ENVIRONMENT:
         *out = (air_connection){light_point->dir, INFINITY, light_point->value, light_point->pdf};
         return light_point->pdf > 0.0f;
@@ -74,7 +74,6 @@ float air_light_hit_pdf(const air_light_table *table, uint32_t entry, air_vec3 f
     if (light->kind == AIR_LIGHT_ENVIRONMENT) {
         return air_environment_pdf(light, dir);
     }
-    return light->quadric != NULL
-               ? air_quadric_lamp_hit_pdf(light, table->spheres_by_sight, from, dir, distance)
-               : air_polygon_hit_pdf(light, dir, distance);
+    return light->quadric != NULL ? air_quadric_lamp_hit_pdf(light, table, from, dir, distance)
+                                  : air_polygon_hit_pdf(light, dir, distance);
 }

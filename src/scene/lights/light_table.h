@@ -98,6 +98,16 @@ static inline bool air_light_is_placed(const air_light *light)
            light->kind == AIR_LIGHT_PROJECTOR;
 }
 
+/* Where the entry's emission texture is looked up, by weights of corners 1 and 2, or by a quadric's
+ * own coordinates. */
+static inline void air_light_uv(const air_light *light, float b1, float b2, float out_uv[2])
+{
+    const float b0 = 1.0f - b1 - b2;
+    for (int k = 0; k < 2; k++) {
+        out_uv[k] = b0 * light->uv[0][k] + b1 * light->uv[1][k] + b2 * light->uv[2][k];
+    }
+}
+
 /* Emissive triangles of meshes; and emissive spheres, cylinders and disks. */
 size_t air_light_triangle_count(const air_light_table *table);
 size_t air_light_quadric_count(const air_light_table *table);

@@ -294,9 +294,9 @@ void air_polygon_sample(const air_light *light, float u1, float u2, air_light_po
     out->normal = light->normal;
     out->value = light->color;
     if (light->emission_texture != NULL) {
-        const float u = b0 * light->uv[0][0] + b1 * light->uv[1][0] + b2 * light->uv[2][0];
-        const float v = b0 * light->uv[0][1] + b1 * light->uv[1][1] + b2 * light->uv[2][1];
-        out->value = vec3_mul(light->color, air_texture_rgb(light->emission_texture, u, v));
+        float uv[2];
+        air_light_uv(light, b1, b2, uv);
+        out->value = vec3_mul(light->color, air_texture_rgb(light->emission_texture, uv[0], uv[1]));
     }
     out->pdf = 1.0f / light->area;
 }

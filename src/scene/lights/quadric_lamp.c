@@ -32,15 +32,13 @@ void air_quadric_lamp_build(const air_mesh *mesh, const air_material *material, 
 /* The radiance of a local place. */
 static air_vec3 radiance_at(const air_light *light, const double local[3])
 {
-    float uv[2];
+    float own[2], uv[2];
     if (light->emission_texture == NULL) {
         return light->color;
     }
-    air_quadric_uv(light->quadric->shape, local, uv);
-    const float b0 = 1.0f - uv[0] - uv[1];
-    const float u = b0 * light->uv[0][0] + uv[0] * light->uv[1][0] + uv[1] * light->uv[2][0];
-    const float v = b0 * light->uv[0][1] + uv[0] * light->uv[1][1] + uv[1] * light->uv[2][1];
-    return vec3_mul(light->color, air_texture_rgb(light->emission_texture, u, v));
+    air_quadric_uv(light->quadric->shape, local, own);
+    air_light_uv(light, own[0], own[1], uv);
+    return vec3_mul(light->color, air_texture_rgb(light->emission_texture, uv[0], uv[1]));
 }
 
 air_vec3 air_quadric_lamp_mean(const air_light *light)
@@ -78,9 +76,9 @@ static air_vec3 front_normal(const air_light *light, const double local[3])
 }
 
 /* Are places drawn again by what a point outside sees? From inside it sees those by area. */
-static bool goes_by_sight(const air_light *light, bool by_sight)
+static bool goes_by_sight(const air_light *light, const air_light_table *table)
 {
-    return by_sight && light->quadric->shape == AIR_RAY_SPHERE &&
+    return table->spheres_by_sight && light->quadric->shape == AIR_RAY_SPHERE &&
            !(light->inward && light->one_sided);
 }
 
@@ -95,7 +93,7 @@ static void finish_place(const air_light *light, const double local[3], air_ligh
 void air_quadric_lamp_sample(const air_light *light, const air_light_table *table, float u1,
                              float u2, air_light_point *out)
 {
-    const bool sight = goes_by_sight(light, table->spheres_by_sight);
+    const bool sight = goes_by_sight(light, table);
     double local[3];
     out->curved = true;
     out->u[0] = u1;
@@ -149,11 +147,11 @@ typedef struct sight {
 static const double NEAR_SHARE = 1e-4;
 
 /* False if points are to be drawn by area instead. */
-static bool look(const air_light *light, bool by_sight, air_vec3 point, sight *out)
+static bool look(const air_light *light, const air_light_table *table, air_vec3 point, sight *out)
 {
     double world[3];
     vec3_store64(world, point);
-    if (!goes_by_sight(light, by_sight)) {
+    if (!goes_by_sight(light, table)) {
         return false;
     }
     air_quadric_to_local(light->quadric, world, out->from);
@@ -220,25 +218,25 @@ static bool connect_by_area_instead(const air_light *light, air_light_point draw
 
 /* ---- both ---- */
 
-bool air_quadric_lamp_connect(const air_light *light, bool by_sight,
+bool air_quadric_lamp_connect(const air_light *light, const air_light_table *table,
                               const air_light_point *light_point, air_vec3 point,
                               air_connection *out)
 {
     sight seen;
-    if (look(light, by_sight, point, &seen)) {
+    if (look(light, table, point, &seen)) {
         connect_by_sight(light, &seen, light_point, out);
         return true;
     }
-    return goes_by_sight(light, by_sight) ? connect_by_area_instead(light, *light_point, point, out)
-                                          : connect_by_area(light, light_point, point, out);
+    return goes_by_sight(light, table) ? connect_by_area_instead(light, *light_point, point, out)
+                                       : connect_by_area(light, light_point, point, out);
 }
 
-float air_quadric_lamp_hit_pdf(const air_light *light, bool by_sight, air_vec3 from, air_vec3 dir,
-                               float distance)
+float air_quadric_lamp_hit_pdf(const air_light *light, const air_light_table *table, air_vec3 from,
+                               air_vec3 dir, float distance)
 {
     const air_quadric *quadric = light->quadric;
     sight seen;
-    if (look(light, by_sight, from, &seen)) {
+    if (look(light, table, from, &seen)) {
         double world[3], local[3];
         vec3_store64(world, dir);
         air_quadric_dir_to_local(quadric, world, local);

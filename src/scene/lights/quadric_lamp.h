@@ -16,13 +16,13 @@ void air_quadric_lamp_build(const air_mesh *mesh, const air_material *material, 
 /* The mean of the radiance over its area, as a weight. */
 air_vec3 air_quadric_lamp_mean(const air_light *light);
 
-/* See light_table.h. by_sight: as air_light_table.spheres_by_sight says. */
+/* See light_table.h; of the table only how places on spheres are drawn is looked at. */
 void air_quadric_lamp_sample(const air_light *light, const air_light_table *table, float u1,
                              float u2, air_light_point *out);
-bool air_quadric_lamp_connect(const air_light *light, bool by_sight,
+bool air_quadric_lamp_connect(const air_light *light, const air_light_table *table,
                               const air_light_point *light_point, air_vec3 point,
                               air_connection *out);
-float air_quadric_lamp_hit_pdf(const air_light *light, bool by_sight, air_vec3 from, air_vec3 dir,
-                               float distance);
+float air_quadric_lamp_hit_pdf(const air_light *light, const air_light_table *table, air_vec3 from,
+                               air_vec3 dir, float distance);
 
 #endif
