@@ -119,8 +119,7 @@ air_status air_gltf_add_camera(air_gltf *gltf, const air_import_object *object)
     const air_json type_at = air_json_get(&at, "type");
     size_t type = 0;
     air_handle handle = AIR_NONE;
-    air_camera_desc desc;
-    air_camera_desc_default(&desc);
+    air_camera_desc desc = object->camera_rest;
     air_status status = air_json_check_object(&at, true);
     if (status == AIR_OK)
         status = air_json_require(&type_at, "a camera type");
@@ -133,12 +132,6 @@ air_status air_gltf_add_camera(air_gltf *gltf, const air_import_object *object)
     if (status != AIR_OK)
         return status;
     desc.name = air_gltf_name(object);
-    desc.lens_radius = object->lens_radius;
-    if (object->focus_distance > 0.0f)
-        desc.focus_distance = object->focus_distance;
-    desc.near_distance = object->near_distance;
-    desc.mirrored = object->mirrored;
-    desc.film = object->film;
     memcpy(desc.to_world, object->to_world, sizeof desc.to_world);
     status = air_scene_add_camera(gltf->import->scene, &desc, &handle);
     return status == AIR_OK ? AIR_OK : air_json_place_error(&at, status);

@@ -65,6 +65,7 @@ air_import_object *air_import_add_object(air_import *import)
                                   .camera = SIZE_MAX,
                                   .camera_visible = true,
                                   .casts_shadow = true};
+    air_camera_desc_default(&object->camera_rest);
     return object;
 }
 

@@ -17,14 +17,12 @@ typedef struct air_import_object {
     float to_world[12];
     size_t mesh, light, camera; /* indices in the scene file, SIZE_MAX: none */
     bool camera_visible, casts_shadow;
-    size_t node;                       /* of the file, SIZE_MAX: none */
-    bool bounds_medium;                /* bounds a medium and is not itself rendered */
-    air_shape shape;                   /* in place of the mesh's triangles */
-    bool flip_normals;                 /* of the shape */
-    float lens_radius, focus_distance; /* of the camera; 0: not said */
-    float near_distance;               /* likewise */
-    bool mirrored;                     /* likewise */
-    air_film_hint film;
+    size_t node;                 /* of the file, SIZE_MAX: none */
+    bool bounds_medium;          /* bounds a medium and is not itself rendered */
+    air_shape shape;             /* in place of the mesh's triangles */
+    bool flip_normals;           /* of the shape */
+    air_camera_desc camera_rest; /* what the scene file cannot say of the camera; the rest, and
+                                    what is not said, as by default */
 } air_import_object;
 
 /* Where a sidecar stands. */
@@ -106,6 +104,8 @@ air_status air_sidecar_add_file(air_import *import, const char *path, bool optio
 /* A --medium; number counts them from 1. */
 air_status air_sidecar_add_argument(air_import *import, const char *argument, size_t number);
 
+/* The lens, the near plane and mirroring of a camera, as the JSON of a camera or of a node says. */
+air_status air_sidecar_read_camera(const air_json *at, air_camera_desc *desc);
 /* What the airlight object of a node says of the shape and the camera that the node has. */
 air_status air_sidecar_read_node(const air_json *at, air_import_object *object);
 

@@ -48,17 +48,29 @@ static air_status read_view(const air_json *at, float out[12], float *out_distan
     return AIR_OK;
 }
 
+air_status air_sidecar_read_camera(const air_json *at, air_camera_desc *desc)
+{
+    const air_json radius_at = air_json_get(at, "lens_radius");
+    const air_json focus_at = air_json_get(at, "focus_distance");
+    const air_json near_at = air_json_get(at, "near_distance");
+    const air_json mirrored_at = air_json_get(at, "mirrored");
+    air_status status = air_json_float(&radius_at, AIR_JSON_NON_NEGATIVE, &desc->lens_radius);
+    if (status == AIR_OK)
+        status = air_json_float(&focus_at, AIR_JSON_POSITIVE, &desc->focus_distance);
+    if (status == AIR_OK)
+        status = air_json_float(&near_at, AIR_JSON_NON_NEGATIVE, &desc->near_distance);
+    return status == AIR_OK ? air_json_bool(&mirrored_at, &desc->mirrored) : status;
+}
+
 /* In focus is what lies as far as look_at, unless said otherwise. */
-static air_status read_thin_lens(const air_json *at, air_camera_desc *desc)
+static air_status read_rest(const air_json *at, air_camera_desc *desc)
 {
     const air_json radius_at = air_json_get(at, "lens_radius");
     const air_json focus_at = air_json_get(at, "focus_distance");
     if (desc->kind != AIR_CAMERA_PERSPECTIVE && (radius_at.value != NULL || focus_at.value != NULL))
         return air_json_fail(radius_at.value != NULL ? &radius_at : &focus_at, AIR_ERROR_FORMAT,
                              "expected fov_y_degrees with it: a lens is perspective");
-    const air_status status = air_json_float(&radius_at, AIR_JSON_NON_NEGATIVE, &desc->lens_radius);
-    return status == AIR_OK ? air_json_float(&focus_at, AIR_JSON_POSITIVE, &desc->focus_distance)
-                            : status;
+    return air_sidecar_read_camera(at, desc);
 }
 
 static air_status read_lens(const air_json *at, air_camera_desc *desc)
@@ -66,8 +78,6 @@ static air_status read_lens(const air_json *at, air_camera_desc *desc)
     const air_json fov_at = air_json_get(at, "fov_y_degrees");
     const air_json height_at = air_json_get(at, "half_height");
     const air_json aspect_at = air_json_get(at, "aspect");
-    const air_json mirrored_at = air_json_get(at, "mirrored");
-    const air_json near_at = air_json_get(at, "near_distance");
     double fov = 0.0;
     if ((fov_at.value != NULL) == (height_at.value != NULL))
         return air_json_fail(
@@ -80,16 +90,12 @@ static air_status read_lens(const air_json *at, air_camera_desc *desc)
         status = air_json_float(&height_at, AIR_JSON_POSITIVE, &desc->half_height);
     if (status == AIR_OK)
         status = air_json_float(&aspect_at, AIR_JSON_POSITIVE, &desc->aspect);
-    if (status == AIR_OK)
-        status = air_json_bool(&mirrored_at, &desc->mirrored);
-    if (status == AIR_OK)
-        status = air_json_float(&near_at, AIR_JSON_NON_NEGATIVE, &desc->near_distance);
     if (status != AIR_OK)
         return status;
     desc->kind = fov_at.value != NULL ? AIR_CAMERA_PERSPECTIVE : AIR_CAMERA_ORTHOGRAPHIC;
     if (fov_at.value != NULL)
         desc->fov_y_rad = (float)(fov * AIR_PI / 180.0);
-    return read_thin_lens(at, desc);
+    return read_rest(at, desc);
 }
 
 air_status air_sidecar_add_camera(const air_sidecar_part *part)

@@ -85,24 +85,18 @@ static air_status read_film(const air_json *at, air_film_hint *film)
 
 air_status air_sidecar_read_node(const air_json *at, air_import_object *object)
 {
-    const air_json radius_at = air_json_get(at, "lens_radius");
-    const air_json focus_at = air_json_get(at, "focus_distance");
-    const air_json near_at = air_json_get(at, "near_distance");
-    const air_json mirrored_at = air_json_get(at, "mirrored");
+    static const char *const camera_keys[] = {"lens_radius", "focus_distance", "near_distance",
+                                              "mirrored", "film"};
     const air_json film_at = air_json_get(at, "film");
-    const air_json *const camera_keys[] = {&radius_at, &focus_at, &near_at, &mirrored_at, &film_at};
     air_status status = read_shape(at, object);
-    for (size_t i = 0; i < sizeof camera_keys / sizeof *camera_keys && status == AIR_OK; ++i)
-        if (camera_keys[i]->value != NULL && object->camera == SIZE_MAX)
-            status =
-                air_json_fail(camera_keys[i], AIR_ERROR_FORMAT, "expected a camera at the node");
+    for (size_t i = 0; i < sizeof camera_keys / sizeof *camera_keys && status == AIR_OK; ++i) {
+        const air_json said = air_json_get(at, camera_keys[i]);
+        if (said.value != NULL && object->camera == SIZE_MAX)
+            status = air_json_fail(&said, AIR_ERROR_FORMAT, "expected a camera at the node");
+    }
     if (status == AIR_OK)
-        status = air_json_float(&radius_at, AIR_JSON_NON_NEGATIVE, &object->lens_radius);
-    if (status == AIR_OK)
-        status = air_json_float(&focus_at, AIR_JSON_POSITIVE, &object->focus_distance);
-    if (status == AIR_OK)
-        status = air_json_float(&near_at, AIR_JSON_NON_NEGATIVE, &object->near_distance);
-    if (status == AIR_OK)
-        status = air_json_bool(&mirrored_at, &object->mirrored);
-    return status == AIR_OK && film_at.value != NULL ? read_film(&film_at, &object->film) : status;
+        status = air_sidecar_read_camera(at, &object->camera_rest);
+    return status == AIR_OK && film_at.value != NULL
+               ? read_film(&film_at, &object->camera_rest.film)
+               : status;
 }
