@@ -12,12 +12,11 @@
 air_status air_mitsuba_fail(const air_mitsuba *mitsuba, const air_xml *at, air_status status,
                             const char *sentence, ...)
 {
-    char text[1024];
     va_list arguments;
     va_start(arguments, sentence);
-    vsnprintf(text, sizeof text, sentence, arguments);
+    const air_status said = air_xml_vfail(&mitsuba->document, at, status, sentence, arguments);
     va_end(arguments);
-    return air_xml_fail(&mitsuba->document, at, status, "%s", text);
+    return said;
 }
 
 air_status air_mitsuba_warn(const air_mitsuba *mitsuba, const air_xml *at, const char *sentence,

@@ -235,16 +235,23 @@ void air_xml_describe(const air_xml *at, char *buffer, size_t size)
         snprintf(buffer + used, size - (size_t)used, ">");
 }
 
+air_status air_xml_vfail(const air_xml_document *document, const air_xml *at, air_status status,
+                         const char *sentence, va_list arguments)
+{
+    char place[1024], text[1024];
+    vsnprintf(text, sizeof text, sentence, arguments);
+    air_xml_describe(at, place, sizeof place);
+    return air_fail(document->context, status, "%s: %s", place, text);
+}
+
 air_status air_xml_fail(const air_xml_document *document, const air_xml *at, air_status status,
                         const char *sentence, ...)
 {
-    char place[1024], text[1024];
     va_list arguments;
     va_start(arguments, sentence);
-    vsnprintf(text, sizeof text, sentence, arguments);
+    const air_status said = air_xml_vfail(document, at, status, sentence, arguments);
     va_end(arguments);
-    air_xml_describe(at, place, sizeof place);
-    return air_fail(document->context, status, "%s: %s", place, text);
+    return said;
 }
 
 air_status air_xml_place_error(const air_xml_document *document, const air_xml *at,

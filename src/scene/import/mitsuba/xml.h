@@ -53,6 +53,9 @@ void air_xml_describe(const air_xml *at, char *buffer, size_t size);
 /* The status, with that and a sentence. */
 air_status air_xml_fail(const air_xml_document *document, const air_xml *at, air_status status,
                         const char *sentence, ...) __attribute__((format(printf, 4, 5)));
+air_status air_xml_vfail(const air_xml_document *document, const air_xml *at, air_status status,
+                         const char *sentence, va_list arguments)
+    __attribute__((format(printf, 4, 0)));
 /* After a callee failed with a message of its own: says it again behind the place. */
 air_status air_xml_place_error(const air_xml_document *document, const air_xml *at,
                                air_status status);
