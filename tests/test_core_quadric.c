@@ -5,8 +5,10 @@
 #include <string.h>
 
 #include "cmocka_test.h"
+#include "core/cpu.h"
 #include "core/host.h"
 #include "core/random.h"
+#include "ray_tracer.h"
 
 enum { RAYS = 4000, SHAPES = 3, PACKET = 16 };
 
@@ -34,39 +36,16 @@ static void random_map(air_rng *rng, float out[12])
 
 /* ---- the backend ---- */
 
-typedef struct tracer {
-    air_context *context;
-    air_ray_backend backend;
-    void *accelerator;
-} tracer;
-
-static tracer build(air_cpu cpu, const air_ray_mesh *meshes, size_t count)
+/* At an instruction set; without a context where the machine lacks it. */
+static ray_tracer build(air_cpu cpu, const air_ray_mesh *meshes, size_t count)
 {
-    tracer self = {0};
     air_context_params params;
     air_context_params_default(&params);
     params.cpu = cpu;
-    if (air_context_create(&params, &self.context) == AIR_OK) {
-        self.backend = *air_context_ray_backend(self.context);
-        assert_int_equal(
-            self.backend.build(self.backend.user, self.context, meshes, count, &self.accelerator),
-            AIR_OK);
+    if (cpu > air_cpu_detect()) {
+        return (ray_tracer){0};
     }
-    return self;
-}
-
-static void finish(tracer *self)
-{
-    self->backend.destroy(self->accelerator);
-    air_context_destroy(self->context);
-}
-
-static air_ray make_ray(air_vec3 origin, air_vec3 dir)
-{
-    air_ray ray = {.tmin = 0.0f, .tmax = INFINITY, .mask = UINT32_MAX};
-    vec3_store(ray.origin, origin);
-    vec3_store(ray.dir, dir);
-    return ray;
+    return ray_tracer_build(&params, meshes, count);
 }
 
 static bool is_hit(const air_hit *hit) { return hit->mesh != (uint32_t)AIR_NO_HIT; }
@@ -153,11 +132,11 @@ static void hits_of_random_maps_agree_with_the_quadratic_formula(void **state)
         float map[12];
         random_map(&rng, map);
         const air_ray_mesh mesh = {.mask = 1, .shape = shape, .to_world = map};
-        tracer self = build(AIR_CPU_AUTO, &mesh, 1);
+        ray_tracer self = build(AIR_CPU_AUTO, &mesh, 1);
         for (int k = 0; k < 16; k++) {
             const air_vec3 centre = vec3(map[3], map[7], map[11]), from = random_point(&rng, 3.0f);
             const air_vec3 to = vec3_add(centre, random_point(&rng, 0.7f));
-            const air_ray ray = make_ray(from, vec3_sub(to, from));
+            const air_ray ray = ray_tracer_ray(from, vec3_sub(to, from));
             long double expected[2];
             bool doubt;
             const size_t count = closed_form(shape, map, &ray, expected, &doubt);
@@ -182,7 +161,7 @@ static void hits_of_random_maps_agree_with_the_quadratic_formula(void **state)
                 assert_memory_equal(&hit, &all[0], sizeof hit);
             }
         }
-        finish(&self);
+        ray_tracer_finish(&self);
     }
     assert_true(met > RAYS);
 }
@@ -250,7 +229,7 @@ static void a_tiny_sphere_far_away_is_met_where_it_is(void **state)
     const air_ray_mesh mesh = {.mask = 1, .shape = AIR_RAY_SPHERE, .to_world = map};
     const air_vec3 centre = vec3(map[3], map[7], map[11]);
     for (int cpu = AIR_CPU_C; cpu <= AIR_CPU_AVX512; cpu++) {
-        tracer self = build((air_cpu)cpu, &mesh, 1);
+        ray_tracer self = build((air_cpu)cpu, &mesh, 1);
         if (self.context == NULL) {
             continue;
         }
@@ -271,7 +250,7 @@ static void a_tiny_sphere_far_away_is_met_where_it_is(void **state)
             uint8_t occluded[PACKET];
             for (int k = 0; k < PACKET; k++) {
                 const air_vec3 spread = random_point(&rng, k % 2 == 0 ? 0.0f : 0.2f * radius);
-                rays[k] = make_ray(origin, vec3_add(dir, spread));
+                rays[k] = ray_tracer_ray(origin, vec3_add(dir, spread));
             }
             self.backend.intersect(self.accelerator, rays, PACKET, hits);
             self.backend.occluded(self.accelerator, rays, PACKET, occluded);
@@ -303,7 +282,7 @@ static void a_tiny_sphere_far_away_is_met_where_it_is(void **state)
             }
         }
         assert_true(met > RAYS);
-        finish(&self);
+        ray_tracer_finish(&self);
     }
 }
 
@@ -357,8 +336,8 @@ static void masks_intervals_and_triangles_hold_for_quadrics_too(void **state)
                                      .triangle_count = 1,
                                      .mask = 1},
                                     {.mask = 1, .shape = AIR_RAY_DISK, .to_world = far}};
-    tracer self = build(AIR_CPU_AUTO, meshes, 3);
-    air_ray ray = make_ray(vec3(0.0f, 0.0f, 4.0f), vec3(0.0f, 0.0f, -2.0f));
+    ray_tracer self = build(AIR_CPU_AUTO, meshes, 3);
+    air_ray ray = ray_tracer_ray(vec3(0.0f, 0.0f, 4.0f), vec3(0.0f, 0.0f, -2.0f));
     air_hit all[8];
     /* z = 1, -1, -3, -6 at twice the speed */
     assert_int_equal(self.backend.intersect_all(self.accelerator, &ray, all, 8), 4);
@@ -382,7 +361,7 @@ static void masks_intervals_and_triangles_hold_for_quadrics_too(void **state)
     uint8_t occluded = 2;
     self.backend.occluded(self.accelerator, &ray, 1, &occluded);
     assert_int_equal(occluded, 0);
-    finish(&self);
+    ray_tracer_finish(&self);
 }
 
 /* ---- area and bounds ---- */

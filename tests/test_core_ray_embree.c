@@ -11,6 +11,7 @@
 #include "core/vec.h"
 #include "core/warp.h"
 #include "failing_allocator.h"
+#include "ray_tracer.h"
 
 enum { RINGS = 40, SPOKES = 80, SOUP = 300, RAYS = 20000, BOX_VERTICES = 24, CAPACITY = 64 };
 enum { SPHERE_VERTICES = 2 + (RINGS - 1) * SPOKES, SPHERE_TRIANGLES = 2 * SPOKES * (RINGS - 1) };
@@ -121,50 +122,19 @@ static air_ray_mesh make_soup(void)
 
 /* ---- fixture ---- */
 
-typedef struct tracer {
-    air_context *context;
-    air_ray_backend backend;
-    void *accelerator;
-} tracer;
-
-static tracer build_with(const air_context_params *params, const air_ray_mesh *meshes, size_t count)
+static ray_tracer build(const air_ray_mesh *meshes, size_t count)
 {
-    tracer self = {0};
-    assert_int_equal(air_context_create(params, &self.context), AIR_OK);
-    self.backend = *air_context_ray_backend(self.context);
-    assert_int_equal(
-        self.backend.build(self.backend.user, self.context, meshes, count, &self.accelerator),
-        AIR_OK);
-    return self;
+    return ray_tracer_build(NULL, meshes, count);
 }
 
-static tracer build(const air_ray_mesh *meshes, size_t count)
-{
-    return build_with(NULL, meshes, count);
-}
-
-static void finish(tracer *self)
-{
-    self->backend.destroy(self->accelerator);
-    air_context_destroy(self->context);
-}
-
-static air_ray make_ray(air_vec3 origin, air_vec3 dir)
-{
-    air_ray ray = {.tmin = 0.0f, .tmax = INFINITY, .mask = UINT32_MAX};
-    vec3_store(ray.origin, origin);
-    vec3_store(ray.dir, dir);
-    return ray;
-}
-
-static air_hit trace(const tracer *self, const air_ray *ray)
+static air_hit trace(const ray_tracer *self, const air_ray *ray)
 {
     air_hit hit;
     self->backend.intersect(self->accelerator, ray, 1, &hit);
     return hit;
 }
 
-static bool is_occluded(const tracer *self, const air_ray *ray)
+static bool is_occluded(const ray_tracer *self, const air_ray *ray)
 {
     uint8_t occluded = 2;
     self->backend.occluded(self->accelerator, ray, 1, &occluded);
@@ -172,7 +142,7 @@ static bool is_occluded(const tracer *self, const air_ray *ray)
     return occluded != 0;
 }
 
-static size_t trace_all(const tracer *self, const air_ray *ray, air_hit *hits, size_t capacity)
+static size_t trace_all(const ray_tracer *self, const air_ray *ray, air_hit *hits, size_t capacity)
 {
     return self->backend.intersect_all(self->accelerator, ray, hits, capacity);
 }
@@ -204,7 +174,7 @@ static air_vec3 towards_edge(const air_ray_mesh *sphere, air_rng *rng, air_vec3 
 
 enum { BUNDLE = 16 };
 
-static void check_bundle_inside(const tracer *self, const air_ray_mesh *sphere, air_rng *rng)
+static void check_bundle_inside(const ray_tracer *self, const air_ray_mesh *sphere, air_rng *rng)
 {
     air_ray rays[BUNDLE];
     air_hit hits[BUNDLE];
@@ -213,7 +183,7 @@ static void check_bundle_inside(const tracer *self, const air_ray_mesh *sphere, 
     const air_vec3 axis = towards_edge(sphere, rng, origin);
     for (int i = 0; i < BUNDLE; ++i) {
         const air_vec3 spread = random_point(rng, i % 4 == 0 ? 0.0f : 0.003f);
-        rays[i] = make_ray(origin, vec3_add(axis, spread));
+        rays[i] = ray_tracer_ray(origin, vec3_add(axis, spread));
     }
     self->backend.intersect(self->accelerator, rays, BUNDLE, hits);
     self->backend.occluded(self->accelerator, rays, BUNDLE, occluded);
@@ -236,19 +206,19 @@ static void nothing_leaks_out_of_a_closed_mesh_at_any_instruction_set(void **sta
             continue;
         }
         air_context_destroy(probe);
-        tracer self = build_with(&params, &sphere, 1);
+        ray_tracer self = ray_tracer_build(&params, &sphere, 1);
         air_rng rng = air_rng_from_keys(1, (uint32_t)cpu);
         for (int i = 0; i < RAYS; ++i) {
             const air_vec3 origin = random_point(&rng, 1.0f);
             const air_vec3 dir =
                 i % 2 == 0 ? random_point(&rng, 1.0f) : towards_edge(&sphere, &rng, origin);
-            const air_ray ray = make_ray(origin, dir);
+            const air_ray ray = ray_tracer_ray(origin, dir);
             const air_hit hit = trace(&self, &ray);
             assert_true(is_hit(&hit));
             assert_true(is_occluded(&self, &ray));
             check_bundle_inside(&self, &sphere, &rng);
         }
-        finish(&self);
+        ray_tracer_finish(&self);
     }
 }
 
@@ -256,13 +226,13 @@ static void t_barycentrics_and_normal_describe_the_same_point(void **state)
 {
     (void)state;
     const air_ray_mesh soup = make_soup();
-    tracer self = build(&soup, 1);
+    ray_tracer self = build(&soup, 1);
     air_rng rng = air_rng_from_keys(2, 1);
     int hits = 0;
     for (int i = 0; i < RAYS; ++i) {
         const air_vec3 origin = vec3_add(random_point(&rng, 2.0f), vec3_set1(0.5f));
         const air_vec3 dir = vec3_scale(random_point(&rng, 1.0f), 3.0f); /* not unit */
-        const air_ray ray = make_ray(origin, dir);
+        const air_ray ray = ray_tracer_ray(origin, dir);
         const air_hit hit = trace(&self, &ray);
         if (!is_hit(&hit)) {
             continue;
@@ -287,7 +257,7 @@ static void t_barycentrics_and_normal_describe_the_same_point(void **state)
         assert_true(hit.u >= -1e-5f && hit.v >= -1e-5f && hit.u + hit.v <= 1.0f + 1e-5f);
     }
     assert_true(hits > RAYS / 10);
-    finish(&self);
+    ray_tracer_finish(&self);
 }
 
 /* t of the triangle in double [MoellerTrumbore1997]; INFINITY if missed, NAN if too near an edge or
@@ -325,12 +295,12 @@ static void hits_agree_with_testing_every_triangle(void **state)
 {
     (void)state;
     const air_ray_mesh soup = make_soup();
-    tracer self = build(&soup, 1);
+    ray_tracer self = build(&soup, 1);
     air_rng rng = air_rng_from_keys(3, 1);
     int compared = 0;
     for (int i = 0; i < RAYS / 4; ++i) {
-        const air_ray ray =
-            make_ray(vec3_add(random_point(&rng, 1.5f), vec3_set1(0.5f)), random_point(&rng, 2.0f));
+        const air_ray ray = ray_tracer_ray(vec3_add(random_point(&rng, 1.5f), vec3_set1(0.5f)),
+                                           random_point(&rng, 2.0f));
         double nearest = INFINITY;
         size_t count = 0;
         bool clear = true;
@@ -356,7 +326,7 @@ static void hits_agree_with_testing_every_triangle(void **state)
         }
     }
     assert_true(compared > RAYS / 16);
-    finish(&self);
+    ray_tracer_finish(&self);
 }
 
 enum { BATCH = 1000 };
@@ -367,9 +337,9 @@ static void make_batch(air_ray rays[BATCH])
     air_rng rng = air_rng_from_keys(4, 1);
     for (int i = 0; i < BATCH; ++i) {
         const air_vec3 spread = random_point(&rng, 0.01f);
-        rays[i] = i % 64 < 32
-                      ? make_ray(vec3(0.1f, 0.2f, 3.0f), vec3_add(spread, vec3(0.1f, 0.0f, -1.0f)))
-                      : make_ray(random_point(&rng, 3.0f), random_point(&rng, 1.0f));
+        rays[i] = i % 64 < 32 ? ray_tracer_ray(vec3(0.1f, 0.2f, 3.0f),
+                                               vec3_add(spread, vec3(0.1f, 0.0f, -1.0f)))
+                              : ray_tracer_ray(random_point(&rng, 3.0f), random_point(&rng, 1.0f));
         rays[i].tmax = 4.0f * air_rng_float(&rng);
     }
 }
@@ -378,7 +348,7 @@ static void batches_meet_what_single_rays_meet(void **state)
 {
     (void)state;
     const air_ray_mesh meshes[2] = {make_sphere(), make_soup()};
-    tracer self = build(meshes, 2);
+    ray_tracer self = build(meshes, 2);
     static air_ray rays[BATCH];
     static air_hit hits[BATCH];
     static uint8_t occluded[BATCH];
@@ -400,7 +370,7 @@ static void batches_meet_what_single_rays_meet(void **state)
             }
         }
     }
-    finish(&self);
+    ray_tracer_finish(&self);
 }
 
 static void a_batch_gives_the_same_bytes_again(void **state)
@@ -412,9 +382,9 @@ static void a_batch_gives_the_same_bytes_again(void **state)
     make_batch(rays);
     memset(hits, 0, sizeof hits);
     for (size_t i = 0; i < 2; ++i) {
-        tracer self = build(meshes, 2);
+        ray_tracer self = build(meshes, 2);
         self.backend.intersect(self.accelerator, rays, BATCH, hits[i]);
-        finish(&self);
+        ray_tracer_finish(&self);
     }
     assert_memory_equal(hits[0], hits[1], sizeof hits[0]);
 }
@@ -426,9 +396,9 @@ static void the_number_of_build_threads_changes_no_hit(void **state)
     air_context_params params;
     air_context_params_default(&params);
     params.thread_count = 1;
-    tracer one = build_with(&params, meshes, 2);
+    ray_tracer one = ray_tracer_build(&params, meshes, 2);
     params.thread_count = 4;
-    tracer four = build_with(&params, meshes, 2);
+    ray_tracer four = ray_tracer_build(&params, meshes, 2);
     air_rng rng = air_rng_from_keys(5, 1);
     for (int i = 0; i < RAYS; ++i) {
         const air_vec3 origin = random_point(&rng, 1.0f);
@@ -436,14 +406,14 @@ static void the_number_of_build_threads_changes_no_hit(void **state)
         const air_vec3 at = i % 2 == 0
                                 ? random_point(&rng, 2.0f)
                                 : corner(&meshes[0], air_rng_next(&rng) % SPHERE_TRIANGLES, 0);
-        const air_ray ray = make_ray(origin, vec3_sub(at, origin));
+        const air_ray ray = ray_tracer_ray(origin, vec3_sub(at, origin));
         air_hit a = {0}, b = {0};
         one.backend.intersect(one.accelerator, &ray, 1, &a);
         four.backend.intersect(four.accelerator, &ray, 1, &b);
         assert_memory_equal(&a, &b, sizeof a);
     }
-    finish(&one);
-    finish(&four);
+    ray_tracer_finish(&one);
+    ray_tracer_finish(&four);
 }
 
 static void masks_choose_the_meshes(void **state)
@@ -451,8 +421,8 @@ static void masks_choose_the_meshes(void **state)
     (void)state;
     static box_mesh small, large;
     const air_ray_mesh meshes[2] = {make_box(&small, 1.0f, 1), make_box(&large, 2.0f, 6)};
-    tracer self = build(meshes, 2);
-    air_ray ray = make_ray(vec3(-5.0f, 0.1f, 0.2f), vec3(1.0f, 0.0f, 0.0f));
+    ray_tracer self = build(meshes, 2);
+    air_ray ray = ray_tracer_ray(vec3(-5.0f, 0.1f, 0.2f), vec3(1.0f, 0.0f, 0.0f));
     const struct {
         uint32_t mask, mesh, count;
     } cases[] = {{1, 0, 2}, {2, 1, 2},          {4, 1, 2},         {7, 1, 4},
@@ -464,7 +434,7 @@ static void masks_choose_the_meshes(void **state)
         assert_int_equal(is_occluded(&self, &ray), cases[i].count > 0);
         assert_int_equal(trace_all(&self, &ray, hits, CAPACITY), cases[i].count);
     }
-    finish(&self);
+    ray_tracer_finish(&self);
 }
 
 static void the_interval_is_open_at_both_ends(void **state)
@@ -472,7 +442,7 @@ static void the_interval_is_open_at_both_ends(void **state)
     (void)state;
     static box_mesh box;
     const air_ray_mesh mesh = make_box(&box, 1.0f, 1);
-    tracer self = build(&mesh, 1);
+    ray_tracer self = build(&mesh, 1);
     const float inf = INFINITY;
     const struct {
         float tmin, tmax;
@@ -481,7 +451,7 @@ static void the_interval_is_open_at_both_ends(void **state)
                  {6, inf, 0}, {0, 4.01f, 1}, {0, FLT_MAX, 2}, {0, 0, 0}, {5, 4.5f, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         air_hit hits[CAPACITY];
-        air_ray ray = make_ray(vec3(-5.0f, 0.25f, 0.5f), vec3(1.0f, 0.0f, 0.0f));
+        air_ray ray = ray_tracer_ray(vec3(-5.0f, 0.25f, 0.5f), vec3(1.0f, 0.0f, 0.0f));
         ray.tmin = cases[i].tmin;
         ray.tmax = cases[i].tmax;
         const air_hit hit = trace(&self, &ray);
@@ -489,7 +459,7 @@ static void the_interval_is_open_at_both_ends(void **state)
         assert_int_equal(is_occluded(&self, &ray), cases[i].count > 0);
         assert_int_equal(trace_all(&self, &ray, hits, CAPACITY), cases[i].count);
     }
-    finish(&self);
+    ray_tracer_finish(&self);
 }
 
 static void meshes_keep_their_index_and_empty_ones_are_legal(void **state)
@@ -498,16 +468,16 @@ static void meshes_keep_their_index_and_empty_ones_are_legal(void **state)
     static box_mesh box;
     const air_ray_mesh empty = {.positions = box.positions, .indices = box.indices, .mask = 1};
     const air_ray_mesh meshes[3] = {empty, empty, make_box(&box, 1.0f, 1)};
-    const air_ray ray = make_ray(vec3(0.1f, 0.2f, 9.0f), vec3(0.0f, 0.0f, -1.0f));
-    tracer self = build(meshes, 3);
+    const air_ray ray = ray_tracer_ray(vec3(0.1f, 0.2f, 9.0f), vec3(0.0f, 0.0f, -1.0f));
+    ray_tracer self = build(meshes, 3);
     assert_int_equal(trace(&self, &ray).mesh, 2);
-    finish(&self);
-    tracer nothing = build(meshes, 0);
+    ray_tracer_finish(&self);
+    ray_tracer nothing = build(meshes, 0);
     air_hit hits[1];
     assert_int_equal(trace(&nothing, &ray).mesh, UINT32_MAX);
     assert_false(is_occluded(&nothing, &ray));
     assert_int_equal(trace_all(&nothing, &ray, hits, 1), 0);
-    finish(&nothing);
+    ray_tracer_finish(&nothing);
 }
 
 /* ---- all hits ---- */
@@ -534,7 +504,7 @@ static void a_ray_enters_and_leaves_a_closed_mesh_in_turn(void **state)
 {
     (void)state;
     const air_ray_mesh sphere = make_sphere();
-    tracer self = build(&sphere, 1);
+    ray_tracer self = build(&sphere, 1);
     air_rng rng = air_rng_from_keys(6, 1);
     for (int i = 0; i < RAYS; ++i) {
         air_hit hits[CAPACITY];
@@ -546,15 +516,15 @@ static void a_ray_enters_and_leaves_a_closed_mesh_in_turn(void **state)
             at = vec3_scale(vec3_add(corner(&sphere, triangle, 0), corner(&sphere, triangle, 1)),
                             0.5f);
         }
-        const air_ray ray = make_ray(origin, vec3_sub(at, origin));
+        const air_ray ray = ray_tracer_ray(origin, vec3_sub(at, origin));
         const size_t count = trace_all(&self, &ray, hits, CAPACITY);
         assert_true(count == 0 || count == 2);
         assert_int_equal(check_alternating(hits, count, &ray, false), 0);
-        const air_ray out = make_ray(random_point(&rng, 1.0f), random_point(&rng, 1.0f));
+        const air_ray out = ray_tracer_ray(random_point(&rng, 1.0f), random_point(&rng, 1.0f));
         assert_int_equal(trace_all(&self, &out, hits, CAPACITY), 1);
         assert_int_equal(check_alternating(hits, 1, &out, true), 0);
     }
-    finish(&self);
+    ray_tracer_finish(&self);
 }
 
 static void crossings_at_edges_and_corners_count_once(void **state)
@@ -562,7 +532,7 @@ static void crossings_at_edges_and_corners_count_once(void **state)
     (void)state;
     static box_mesh box;
     const air_ray_mesh mesh = make_box(&box, 1.0f, 1);
-    tracer self = build(&mesh, 1);
+    ray_tracer self = build(&mesh, 1);
     air_hit hits[CAPACITY];
     const struct {
         air_vec3 origin, dir;
@@ -575,14 +545,14 @@ static void crossings_at_edges_and_corners_count_once(void **state)
         {{3, 1.5f, 0.25f}, {-1, -0.25f, 0}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        const air_ray ray = make_ray(cases[i].origin, cases[i].dir);
+        const air_ray ray = ray_tracer_ray(cases[i].origin, cases[i].dir);
         const size_t count = trace_all(&self, &ray, hits, CAPACITY);
         /* Two faces that meet at an edge are both entered (or both left) there: one crossing each
          * way. */
         assert_int_equal(count, 2);
         assert_int_equal(check_alternating(hits, count, &ray, false), 0);
     }
-    finish(&self);
+    ray_tracer_finish(&self);
 }
 
 static void coincident_faces_of_different_meshes_are_all_kept(void **state)
@@ -591,29 +561,29 @@ static void coincident_faces_of_different_meshes_are_all_kept(void **state)
     static box_mesh a, b, c;
     const air_ray_mesh meshes[3] = {make_box(&a, 1.0f, 1), make_box(&b, 1.0f, 1),
                                     make_box(&c, 0.5f, 1)};
-    tracer self = build(meshes, 3);
+    ray_tracer self = build(meshes, 3);
     air_hit hits[CAPACITY];
-    const air_ray ray = make_ray(vec3(0.1f, 0.2f, 5.0f), vec3(0.0f, 0.0f, -1.0f));
+    const air_ray ray = ray_tracer_ray(vec3(0.1f, 0.2f, 5.0f), vec3(0.0f, 0.0f, -1.0f));
     const uint32_t order[6] = {0, 1, 2, 2, 0, 1};
     assert_int_equal(trace_all(&self, &ray, hits, CAPACITY), 6);
     for (size_t i = 0; i < 6; ++i) {
         assert_int_equal(hits[i].mesh, order[i]);
         assert_int_equal(enters(&hits[i], &ray), i < 3);
     }
-    finish(&self);
+    ray_tracer_finish(&self);
 }
 
 static void the_nearest_are_kept_when_there_is_no_room_for_all(void **state)
 {
     (void)state;
     const air_ray_mesh soup = make_soup();
-    tracer self = build(&soup, 1);
+    ray_tracer self = build(&soup, 1);
     air_rng rng = air_rng_from_keys(7, 1);
     size_t most = 0;
     for (int i = 0; i < RAYS / 4; ++i) {
         air_hit all[CAPACITY], some[CAPACITY];
-        const air_ray ray =
-            make_ray(vec3_add(random_point(&rng, 1.0f), vec3_set1(0.5f)), random_point(&rng, 1.0f));
+        const air_ray ray = ray_tracer_ray(vec3_add(random_point(&rng, 1.0f), vec3_set1(0.5f)),
+                                           random_point(&rng, 1.0f));
         const size_t count = trace_all(&self, &ray, all, CAPACITY);
         most = count > most ? count : most;
         for (size_t capacity = 0; capacity <= count; ++capacity) {
@@ -628,7 +598,7 @@ static void the_nearest_are_kept_when_there_is_no_room_for_all(void **state)
         }
     }
     assert_true(most > 5 && most < CAPACITY);
-    finish(&self);
+    ray_tracer_finish(&self);
 }
 
 /* ---- failure ---- */

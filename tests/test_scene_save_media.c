@@ -5,6 +5,15 @@
 /* ---- lights ---- */
 
 /* A light's number is a product that rounds twice in the reader: the next float is met at worst. */
+/* All lights are again what they were, without a warning; ends the fixture. */
+static void lights_come_back(saved_fixture *f)
+{
+    saved_round(f);
+    saved_same_lights(f->scene, f->again);
+    assert_string_equal(f->said[AIR_MESSAGE_WARNING], "");
+    saved_finish(f);
+}
+
 static void punctual_lights_stay_within_the_last_bit(void **state)
 {
     (void)state;
@@ -48,10 +57,7 @@ static void punctual_lights_stay_within_the_last_bit(void **state)
     f.again = NULL;
     air_scene_destroy(f.scene);
     f.scene = first;
-    saved_round(&f);
-    saved_same_lights(f.scene, f.again);
-    assert_string_equal(f.said[AIR_MESSAGE_WARNING], "");
-    saved_finish(&f);
+    lights_come_back(&f);
 }
 
 static void other_lights_go_into_the_airlight_object(void **state)
@@ -96,10 +102,7 @@ static void other_lights_go_into_the_airlight_object(void **state)
     desc.kind = AIR_LIGHT_ENVIRONMENT;
     desc.camera_visible = false;
     saved_add_light(&f, &desc);
-    saved_round(&f);
-    saved_same_lights(f.scene, f.again);
-    assert_string_equal(f.said[AIR_MESSAGE_WARNING], "");
-    saved_finish(&f);
+    lights_come_back(&f);
 }
 
 /* The picture's axes come back within roundings of a cross product and a length, 2^-24 each. */
