@@ -6,28 +6,21 @@ static air_status read_filter(const air_mitsuba *mitsuba, air_xml *at, air_film_
 {
     static const char *const types[] = {"box", "tent", "gaussian", "mitchell"};
     float stddev = 0.5f, third = 1.0f / 3.0f;
-    film->filter = AIR_FILTER_GAUSSIAN;
-    film->filter_radius = 1.5f; /* airlight's end at 3 standard deviations, Mitsuba's at 4 */
+    film->filter = at == NULL || air_mitsuba_is(at, "gaussian") ? AIR_FILTER_GAUSSIAN
+                   : air_mitsuba_is(at, "box")                  ? AIR_FILTER_BOX
+                   : air_mitsuba_is(at, "tent")                 ? AIR_FILTER_TENT
+                                                                : AIR_FILTER_MITCHELL;
+    film->filter_radius = air_filter_radius_default(film->filter);
     if (at == NULL)
         return AIR_OK;
     at->asked = true;
-    if (air_mitsuba_is(at, "box")) {
-        film->filter = AIR_FILTER_BOX;
-        film->filter_radius = 0.5f;
+    if (film->filter == AIR_FILTER_BOX || film->filter == AIR_FILTER_TENT)
         return air_mitsuba_float(mitsuba, at, "radius", &film->filter_radius);
-    }
-    if (air_mitsuba_is(at, "tent")) {
-        film->filter = AIR_FILTER_TENT;
-        film->filter_radius = 1.0f;
-        return air_mitsuba_float(mitsuba, at, "radius", &film->filter_radius);
-    }
-    if (air_mitsuba_is(at, "gaussian")) {
+    if (film->filter == AIR_FILTER_GAUSSIAN) {
         const air_status status = air_mitsuba_float(mitsuba, at, "stddev", &stddev);
-        film->filter_radius = 3.0f * stddev;
+        film->filter_radius = 3.0f * stddev; /* airlight's end at 3, Mitsuba's at 4 of them */
         return status;
     }
-    film->filter = AIR_FILTER_MITCHELL;
-    film->filter_radius = 2.0f;
     if (!air_mitsuba_is(at, "mitchell"))
         return air_mitsuba_unknown_type(mitsuba, at, types, 4, "mitchell is taken");
     float b = third, c = third;
@@ -36,18 +29,6 @@ static air_status read_filter(const air_mitsuba *mitsuba, air_xml *at, air_film_
         status = air_mitsuba_float(mitsuba, at, "C", &c);
     if (status == AIR_OK && (fabsf(b - third) > 1e-3f || fabsf(c - third) > 1e-3f))
         status = air_mitsuba_warn(mitsuba, at, "B and C of 1/3 are taken, whatever it says");
-    return status;
-}
-
-/* A number of pixels with a place for the upper end of the range. */
-static air_status read_pixels(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
-                              long least, long most, long *value)
-{
-    const air_status status = air_mitsuba_integer(mitsuba, at, name, value);
-    if (status == AIR_OK && (*value < least || *value > most))
-        return air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT,
-                                "expected %s to be %ld to %ld, found %ld", name, least, most,
-                                *value);
     return status;
 }
 
@@ -71,18 +52,19 @@ static air_status read_size(const air_mitsuba *mitsuba, air_xml *at, air_film_hi
     long width = 768, height = 576, x = 0, y = 0;
     at->asked = true;
     air_mitsuba_ignore(at, ignored, sizeof ignored / sizeof *ignored);
-    air_status status = read_pixels(mitsuba, at, "width", 1, 65535, &width);
+    air_status status = air_mitsuba_integer_within(mitsuba, at, "width", 1, 65535, &width);
     if (status == AIR_OK)
-        status = read_pixels(mitsuba, at, "height", 1, 65535, &height);
+        status = air_mitsuba_integer_within(mitsuba, at, "height", 1, 65535, &height);
     if (status == AIR_OK)
-        status = read_pixels(mitsuba, at, "crop_offset_x", 0, width - 1, &x);
+        status = air_mitsuba_integer_within(mitsuba, at, "crop_offset_x", 0, width - 1, &x);
     if (status == AIR_OK)
-        status = read_pixels(mitsuba, at, "crop_offset_y", 0, height - 1, &y);
+        status = air_mitsuba_integer_within(mitsuba, at, "crop_offset_y", 0, height - 1, &y);
     long crop_width = width - x, crop_height = height - y;
     if (status == AIR_OK)
-        status = read_pixels(mitsuba, at, "crop_width", 1, width - x, &crop_width);
+        status = air_mitsuba_integer_within(mitsuba, at, "crop_width", 1, width - x, &crop_width);
     if (status == AIR_OK)
-        status = read_pixels(mitsuba, at, "crop_height", 1, height - y, &crop_height);
+        status =
+            air_mitsuba_integer_within(mitsuba, at, "crop_height", 1, height - y, &crop_height);
     film->width = (size_t)width;
     film->height = (size_t)height;
     film->crop[0] = (size_t)x;

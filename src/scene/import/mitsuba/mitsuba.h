@@ -117,6 +117,9 @@ air_status air_mitsuba_float(const air_mitsuba *mitsuba, const air_xml *at, cons
                              float *value);
 air_status air_mitsuba_integer(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
                                long *value);
+/* The same in a range. */
+air_status air_mitsuba_integer_within(const air_mitsuba *mitsuba, const air_xml *at,
+                                      const char *name, long least, long most, long *value);
 air_status air_mitsuba_boolean(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
                                bool *value);
 air_status air_mitsuba_string(const air_mitsuba *mitsuba, const air_xml *at, const char *name,

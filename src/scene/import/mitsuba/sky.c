@@ -23,11 +23,7 @@ static air_status read_clock(const air_mitsuba *mitsuba, const air_xml *at, floa
     static const long last[] = {9999, 12, 31};
     air_status status = AIR_OK;
     for (size_t i = 0; i < 3 && status == AIR_OK; ++i) {
-        status = air_mitsuba_integer(mitsuba, at, date_names[i], &date[i]);
-        if (status == AIR_OK && (date[i] < 1 || date[i] > last[i]))
-            status = air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT,
-                                      "expected %s to be 1 to %ld, found %ld", date_names[i],
-                                      last[i], date[i]);
+        status = air_mitsuba_integer_within(mitsuba, at, date_names[i], 1, last[i], &date[i]);
         if (status == AIR_OK)
             status = air_mitsuba_float(mitsuba, at, place_names[i], &place[i]);
         if (status == AIR_OK)

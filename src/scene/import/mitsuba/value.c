@@ -229,6 +229,17 @@ air_status air_mitsuba_integer(const air_mitsuba *mitsuba, const air_xml *at, co
     return status;
 }
 
+air_status air_mitsuba_integer_within(const air_mitsuba *mitsuba, const air_xml *at,
+                                      const char *name, long least, long most, long *value)
+{
+    const air_status status = air_mitsuba_integer(mitsuba, at, name, value);
+    if (status == AIR_OK && (*value < least || *value > most))
+        return air_mitsuba_fail(mitsuba, at, AIR_ERROR_FORMAT,
+                                "expected %s to be %ld to %ld, found %ld", name, least, most,
+                                *value);
+    return status;
+}
+
 air_status air_mitsuba_string(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
                               const char **value)
 {
