@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "airlight/render.h"
+#include "scene/light_record.h"
 #include "scene/material.h"
 #include "scene/media/grid.h"
 #include "scene/mesh.h"
@@ -128,8 +129,6 @@ static json_t *describe_materials(const air_snapshot *snapshot)
 
 static json_t *describe_light(const air_light *light)
 {
-    static const char *const kinds[] = {"point",   "spot",        "collimated",
-                                        "polygon", "environment", "projector"};
     static const char *const units[] = {"W/sr",       "W/sr",       "W/m^2",
                                         "W/(m^2 sr)", "W/(m^2 sr)", "W/sr"};
     const bool placed = air_light_is_placed(light);
@@ -138,7 +137,7 @@ static json_t *describe_light(const air_light *light)
     const bool seen = polygon || light->kind == AIR_LIGHT_ENVIRONMENT;
     json_t *object = json_object();
     json_object_set_new(object, "name", string(light->name));
-    json_object_set_new(object, "kind", json_string(kinds[light->kind]));
+    json_object_set_new(object, "kind", json_string(air_light_kind_names[light->kind]));
     json_object_set_new(object, "color", vector(light->color));
     json_object_set_new(object, "units", json_string(units[light->kind]));
     set_if(object, placed, "position", vector(light->position));

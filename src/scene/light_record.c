@@ -2,6 +2,9 @@
 
 #include "scene/lights/light_build.h"
 
+const char *const air_light_kind_names[AIR_LIGHT_KINDS] = {"point",   "spot",        "collimated",
+                                                           "polygon", "environment", "projector"};
+
 static void destroy_light(air_record *record)
 {
     air_light_record *light = (air_light_record *)record;

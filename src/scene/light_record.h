@@ -11,6 +11,10 @@ typedef struct air_light_record {
     air_gobo_window *windows; /* owned, with their vertices */
 } air_light_record;
 
+/* What files and reports call the kinds of lights, in the order of air_light_kind. */
+enum { AIR_LIGHT_KINDS = AIR_LIGHT_PROJECTOR + 1 };
+extern const char *const air_light_kind_names[AIR_LIGHT_KINDS];
+
 /* Checks and copies a description; the image handle is not looked at. */
 air_status air_light_record_create(air_context *context, const air_light_desc *desc,
                                    air_record **out_record);

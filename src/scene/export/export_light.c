@@ -216,11 +216,9 @@ static air_status put_kind(air_export *self, const air_light_desc *desc, json_t 
 
 static air_status add_other(air_export *self, const air_light_desc *desc)
 {
-    static const char *const types[] = {"point",   "spot",        "collimated",
-                                        "polygon", "environment", "projector"};
     json_t *light = json_object();
     air_export_push(self, air_export_list(self, self->airlight, "lights"), light);
-    air_export_put(self, light, "type", json_string(types[desc->kind]));
+    air_export_put(self, light, "type", json_string(air_light_kind_names[desc->kind]));
     air_export_name(self, light, desc->name);
     if (!desc->casts_shadow)
         air_export_put(self, light, "casts_shadow", json_false());

@@ -4,6 +4,7 @@
 #include "core/vec.h"
 #include "scene/import/import.h"
 #include "scene/import/resource.h"
+#include "scene/light_record.h"
 #include "scene/lights/light_build.h"
 
 /* What a light's description points to while it is being made. */
@@ -285,16 +286,7 @@ static air_status read_projector(const air_sidecar_part *part, air_light_desc *d
     return status == AIR_OK ? read_image(part, "intensity", desc) : status;
 }
 
-typedef enum air_light_word {
-    AIR_WORD_POINT = 0,
-    AIR_WORD_SPOT = 1,
-    AIR_WORD_COLLIMATED = 2,
-    AIR_WORD_POLYGON = 3,
-    AIR_WORD_ENVIRONMENT = 4,
-    AIR_WORD_PROJECTOR = 5
-} air_light_word;
-
-static air_status check_light_keys(const air_json *at, air_light_word word)
+static air_status check_light_keys(const air_json *at, air_light_kind kind)
 {
     static const char *const point[] = {"type", "name", "position", "intensity", "casts_shadow"};
     static const char *const spot[] = {
@@ -311,48 +303,42 @@ static air_status check_light_keys(const air_json *at, air_light_word word)
     static const char *const projector[] = {"type",      "name",      "position",
                                             "direction", "up",        "fov_x_degrees",
                                             "image",     "intensity", "casts_shadow"};
-    switch (word) {
-    case AIR_WORD_POINT:
+    switch (kind) {
+    case AIR_LIGHT_POINT:
         return air_json_check_keys(at, point, sizeof point / sizeof point[0]);
-    case AIR_WORD_SPOT:
+    case AIR_LIGHT_SPOT:
         return air_json_check_keys(at, spot, sizeof spot / sizeof spot[0]);
-    case AIR_WORD_COLLIMATED:
+    case AIR_LIGHT_COLLIMATED:
         return air_json_check_keys(at, collimated, sizeof collimated / sizeof collimated[0]);
-    case AIR_WORD_POLYGON:
+    case AIR_LIGHT_POLYGON:
         return air_json_check_keys(at, polygon, sizeof polygon / sizeof polygon[0]);
-    case AIR_WORD_PROJECTOR:
+    case AIR_LIGHT_PROJECTOR:
         return air_json_check_keys(at, projector, sizeof projector / sizeof projector[0]);
-    case AIR_WORD_ENVIRONMENT:
+    case AIR_LIGHT_ENVIRONMENT:
         break;
     }
     return air_json_check_keys(at, environment, sizeof environment / sizeof environment[0]);
 }
 
-static air_status read_kind(const air_sidecar_part *part, air_light_word word, air_light_desc *desc,
+static air_status read_kind(const air_sidecar_part *part, air_light_desc *desc,
                             air_light_arrays *arrays)
 {
     air_status status = AIR_OK;
-    switch (word) {
-    case AIR_WORD_POINT:
-        desc->kind = AIR_LIGHT_POINT;
+    switch (desc->kind) {
+    case AIR_LIGHT_POINT:
         status = read_point(part, "position", desc->position);
         return status == AIR_OK ? read_quantity(part->at, "intensity", desc) : status;
-    case AIR_WORD_SPOT:
-        desc->kind = AIR_LIGHT_SPOT;
+    case AIR_LIGHT_SPOT:
         return read_spot(part, desc);
-    case AIR_WORD_COLLIMATED:
-        desc->kind = AIR_LIGHT_COLLIMATED;
+    case AIR_LIGHT_COLLIMATED:
         return read_collimated(part, desc, arrays);
-    case AIR_WORD_POLYGON:
-        desc->kind = AIR_LIGHT_POLYGON;
+    case AIR_LIGHT_POLYGON:
         return read_polygon(part, desc, arrays);
-    case AIR_WORD_PROJECTOR:
-        desc->kind = AIR_LIGHT_PROJECTOR;
+    case AIR_LIGHT_PROJECTOR:
         return read_projector(part, desc);
-    case AIR_WORD_ENVIRONMENT:
+    case AIR_LIGHT_ENVIRONMENT:
         break;
     }
-    desc->kind = AIR_LIGHT_ENVIRONMENT;
     return read_environment(part, desc);
 }
 
@@ -371,8 +357,6 @@ static air_status check_with_place(const air_sidecar_part *part, const air_light
 
 air_status air_sidecar_add_light(const air_sidecar_part *part)
 {
-    static const char *const types[] = {"point",   "spot",        "collimated",
-                                        "polygon", "environment", "projector"};
     const air_json type_at = air_json_get(part->at, "type");
     const air_json name_at = air_json_get(part->at, "name");
     const air_json visible_at = air_json_get(part->at, "camera_visible");
@@ -381,15 +365,16 @@ air_status air_sidecar_add_light(const air_sidecar_part *part)
     air_light_desc desc;
     air_light_desc_default(&desc);
     desc.name = part->fallback_name;
-    size_t word = 0;
+    size_t kind = AIR_LIGHT_POINT;
     air_handle handle = AIR_NONE;
     air_status status = air_json_check_object(part->at, true);
     if (status == AIR_OK)
         status = air_json_require(&type_at, "a light type");
     if (status == AIR_OK)
-        status = air_json_choice(&type_at, types, sizeof types / sizeof types[0], &word);
+        status = air_json_choice(&type_at, air_light_kind_names, AIR_LIGHT_KINDS, &kind);
+    desc.kind = (air_light_kind)kind;
     if (status == AIR_OK)
-        status = check_light_keys(part->at, (air_light_word)word);
+        status = check_light_keys(part->at, desc.kind);
     if (status == AIR_OK)
         status = air_json_string(&name_at, &desc.name);
     if (status == AIR_OK)
@@ -397,7 +382,7 @@ air_status air_sidecar_add_light(const air_sidecar_part *part)
     if (status == AIR_OK)
         status = air_json_bool(&shadow_at, &desc.casts_shadow);
     if (status == AIR_OK)
-        status = read_kind(part, (air_light_word)word, &desc, &arrays);
+        status = read_kind(part, &desc, &arrays);
     if (status == AIR_OK)
         status = check_with_place(part, &desc);
     if (status == AIR_OK)
