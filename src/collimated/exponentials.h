@@ -3,23 +3,8 @@
 #ifndef AIR_COLLIMATED_EXPONENTIALS_H
 #define AIR_COLLIMATED_EXPONENTIALS_H
 
+#include "core/bits.h"
 #include <stdbool.h>
-#include <stdint.h>
-#include <string.h>
-
-static inline double air_double_from_bits(uint64_t bits)
-{
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-static inline uint64_t air_double_bits(double x)
-{
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
 
 /* Both values are computed: a branch around arithmetic, which might trap, would end the lanes. */
 static inline double air_double_select(bool which, double yes, double no)

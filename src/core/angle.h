@@ -5,6 +5,7 @@
 #ifndef AIR_CORE_ANGLE_H
 #define AIR_CORE_ANGLE_H
 
+#include "core/bits.h"
 #include "core/vec.h"
 
 /* |x| <= pi/4: the Taylor series, whose remainders x^11/11! and x^10/10! are below 2e-9 and 3e-8.
@@ -25,9 +26,12 @@ static inline void air_sincos_turn(float turn, float *out_sin, float *out_cos)
     const int quarter = (int)(4.0f * turn + 0.5f);
     float s, c;
     air_sincos_eighth(2.0f * AIR_PI_F * (turn - 0.25f * (float)quarter), &s, &c);
-    const float across = (quarter & 1) != 0 ? c : s, along = (quarter & 1) != 0 ? s : c;
-    *out_sin = (quarter & 2) != 0 ? -across : across;
-    *out_cos = ((quarter + 1) & 2) != 0 ? -along : along;
+    /* by bits: as jumps, which angles at random take at random, they cost more than all the rest */
+    const uint32_t odd = 0u - ((uint32_t)quarter & 1u);
+    const uint32_t swap = (air_float_bits(s) ^ air_float_bits(c)) & odd;
+    const uint32_t sine = air_float_bits(s) ^ swap, cosine = air_float_bits(c) ^ swap;
+    *out_sin = air_float_from_bits(sine ^ ((uint32_t)quarter & 2u) << 30);
+    *out_cos = air_float_from_bits(cosine ^ ((uint32_t)(quarter + 1) & 2u) << 30);
 }
 
 /* The same in doubles, off by 3e-16: remainders x^17/17! and x^18/18! are below 5e-17. */
@@ -43,10 +47,11 @@ static inline void air_sincos_turn64(double turn, double *out_sin, double *out_c
                      x8 * ((-1.0 / 3628800.0 + x2 * (1.0 / 479001600.0)) +
                            x4 * (-1.0 / 87178291200.0 + x2 * (1.0 / 20922789888000.0)));
     const double sine = x + x * x2 * s, cosine = 1.0 + x2 * c;
-    const double across = (quarter & 1) != 0 ? cosine : sine;
-    const double along = (quarter & 1) != 0 ? sine : cosine;
-    *out_sin = (quarter & 2) != 0 ? -across : across;
-    *out_cos = ((quarter + 1) & 2) != 0 ? -along : along;
+    const uint64_t swap = (air_double_bits(sine) ^ air_double_bits(cosine)) &
+                          (0u - ((uint64_t)(uint32_t)quarter & 1u));
+    const uint64_t across = air_double_bits(sine) ^ swap, along = air_double_bits(cosine) ^ swap;
+    *out_sin = air_double_from_bits(across ^ ((uint64_t)(uint32_t)quarter & 2u) << 62);
+    *out_cos = air_double_from_bits(along ^ ((uint64_t)(uint32_t)(quarter + 1) & 2u) << 62);
 }
 
 /* The angle, in [0, pi], of the plane's vector (x, y), y >= 0, not both 0. Folded to [0, pi/4],
@@ -58,15 +63,17 @@ static inline float air_plane_angle(float x, float y)
     const bool steep = y > a;
     const float less = steep ? a : y, more = steep ? y : a;
     const bool wide = less > 0.414213562f * more;
-    const float t = wide ? (less - more) / (less + more) : less / more, t2 = t * t;
+    const float difference = less - more, total = less + more;
+    const float t = (wide ? difference : less) / (wide ? total : more), t2 = t * t;
     float sum = -0.0602630526f;
     sum = sum * t2 + 0.105698288f;
     sum = sum * t2 - 0.142395326f;
     sum = sum * t2 + 0.19998183f;
     sum = sum * t2 - 0.333333069f;
     const float small = (wide ? 0.25f * AIR_PI_F : 0.0f) + (t + t * t2 * sum);
-    const float acute = steep ? 0.5f * AIR_PI_F - small : small;
-    return x < 0.0f ? AIR_PI_F - acute : acute;
+    const float rest = 0.5f * AIR_PI_F - small, acute = steep ? rest : small;
+    const float obtuse = AIR_PI_F - acute;
+    return x < 0.0f ? obtuse : acute;
 }
 
 #endif

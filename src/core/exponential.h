@@ -7,22 +7,7 @@
 #ifndef AIR_CORE_EXPONENTIAL_H
 #define AIR_CORE_EXPONENTIAL_H
 
-#include <stdint.h>
-#include <string.h>
-
-static inline float air_float_from_bits(uint32_t bits)
-{
-    float x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-static inline uint32_t air_float_bits(float x)
-{
-    uint32_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
+#include "core/bits.h"
 
 /* exp(x) - 1 = 2^n (p + 1) - 1 with x = n ln 2 + r, |r| <= ln 2 / 2, and p = exp(r) - 1 by its
  * Taylor polynomial of degree 7, whose remainder r^8/8! is below 6e-9. Gives p; *power is 2^n. -87
@@ -70,17 +55,12 @@ static inline void air_transmittance_and_loss(float x, float *transmittance, flo
  * loses digits, s comes from y itself. */
 static inline float air_neg_log1m(float y)
 {
-    float s, n = 0.0f;
-    if (y < 0.25f) {
-        s = y / (2.0f - y);
-    } else {
-        const float z = 1.0f - y;
-        const uint32_t bits = air_float_bits(z) - 0x3f3504f3u; /* bits of 1/sqrt 2 */
-        const int32_t exponent = (int32_t)bits >> 23;
-        const float m = air_float_from_bits((bits & 0x007fffffu) + 0x3f3504f3u);
-        n = (float)exponent;
-        s = (1.0f - m) / (1.0f + m);
-    }
+    const float z = 1.0f - y;
+    const uint32_t bits = air_float_bits(z) - 0x3f3504f3u; /* bits of 1/sqrt 2 */
+    const float n = (float)((int32_t)bits >> 23);          /* 0 near y = 0 */
+    const float m = air_float_from_bits((bits & 0x007fffffu) + 0x3f3504f3u);
+    const float less = 1.0f - m, more = 1.0f + m, whole = 2.0f - y;
+    const float s = (y < 0.25f ? y : less) / (y < 0.25f ? whole : more);
     const float q = s * s;
     float p = 2.0f / 9.0f;
     p = p * q + 2.0f / 7.0f;

@@ -105,8 +105,8 @@ static inline air_vec3 air_phase_sample(air_phase phase, air_vec3 travel_dir, fl
                                         float *out_pdf)
 {
     const air_phase_angle angle = phase_sample_angle(phase, u1);
-    const float cos_theta =
-        angle.one_minus_cos < 1.0f ? 1.0f - angle.one_minus_cos : angle.one_plus_cos - 1.0f;
+    const float forward = 1.0f - angle.one_minus_cos, backward = angle.one_plus_cos - 1.0f;
+    const float cos_theta = angle.one_minus_cos < 1.0f ? forward : backward;
     const float sin_theta = sqrtf(angle.one_minus_cos * angle.one_plus_cos);
     float sin_phi, cos_phi;
     air_sincos_turn(u2, &sin_phi, &cos_phi);

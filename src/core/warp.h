@@ -15,9 +15,9 @@ static inline air_vec3 sample_disk_concentric(float u1, float u2)
         return vec3_set1(0.0f);
     }
     const bool wide = fabsf(a) > fabsf(b);
-    const float r = wide ? a : b;
+    const float r = wide ? a : b, other = wide ? b : a;
     float across, along; /* of the angle from the nearer axis */
-    air_sincos_eighth(AIR_PI_F / 4.0f * (wide ? b / a : a / b), &across, &along);
+    air_sincos_eighth(AIR_PI_F / 4.0f * (other / r), &across, &along);
     return vec3(r * (wide ? along : across), r * (wide ? across : along), 0.0f);
 }
 /* Per area. */
@@ -48,13 +48,9 @@ static inline float sample_sphere_pdf(void) { return 1.0f / (4.0f * AIR_PI_F); }
  * [Heitz2019], which moves points less than a square root does. */
 static inline void sample_triangle(float u1, float u2, float *out_b1, float *out_b2)
 {
-    if (u1 < u2) {
-        *out_b1 = 0.5f * u1;
-        *out_b2 = u2 - *out_b1;
-    } else {
-        *out_b2 = 0.5f * u2;
-        *out_b1 = u1 - *out_b2;
-    }
+    const float near = 0.5f * float_min(u1, u2), far = float_max(u1, u2) - near;
+    *out_b1 = u1 < u2 ? near : far;
+    *out_b2 = u1 < u2 ? far : near;
 }
 static inline float sample_triangle_pdf(float area) { return 1.0f / area; }
 
