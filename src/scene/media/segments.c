@@ -218,18 +218,6 @@ static size_t sweep(const air_media *media, const region_event *events, size_t e
     return count;
 }
 
-/* A ray of length zero or more that meets one region without a mesh, the usual case. */
-static size_t single_segment(const air_region *region, air_vec3 origin, air_vec3 dir, float tmax,
-                             air_segment *out)
-{
-    float a = 0.0f, b = tmax;
-    if (!clip_region(region, origin, dir, &a, &b)) {
-        return 0;
-    }
-    out[0] = (air_segment){a, b, 1};
-    return 1;
-}
-
 size_t air_media_segments(const air_media *media, air_vec3 origin, air_vec3 dir, float tmax,
                           air_segment *out)
 {
@@ -240,11 +228,12 @@ size_t air_media_segments(const air_media *media, air_vec3 origin, air_vec3 dir,
         out[0] = (air_segment){0.0f, tmax, 1};
         return tmax > 0.0f ? 1 : 0;
     }
-    if (media->region_count == 1 && media->regions[0].kind != AIR_REGION_MESH) {
-        return single_segment(&media->regions[0], origin, dir, tmax, out);
-    }
     region_event events[MAX_EVENTS];
     const size_t count = collect_events(media, origin, dir, tmax, events);
+    if (count == 2) { /* one region, once: the usual case */
+        out[0] = (air_segment){events[0].t, events[1].t, (uint64_t)1 << events[0].region};
+        return 1;
+    }
     sort_events(events, count);
     return sweep(media, events, count, out);
 }
