@@ -272,7 +272,9 @@ NOTES = """## What is known to differ
 
 - **Dense media behind a boundary** (volpath_test4_2, 5, 5_2 and 6: mean free paths of a few thousandths of the sphere). Mitsuba's rays leave a surface about 9e-5 times one more than their largest
   coordinate away from it, which is up to a tenth of a mean free path here, so its pictures depend on the unit of length: the mean of volpath_test5_2 is 0.0221, 0.0265, 0.0270 and 0.0271 with all
-  lengths times 0.1, 1, 10 and 100 (and coefficients divided by that); ours is 0.02767 in all four. With a hundredth of the density the two agree, as the lines marked so show.
+  lengths times 0.1, 1, 10 and 100 (and coefficients divided by that); ours is 0.02767 in all four. The truth is known for a plane: Chandrasekhar's H function gives what a dense body sends back of an
+  even sky. Ours is within 0.05 % of it in three units of length, theirs off by -97, -5 and -0.3 % (`python3 bench/half_space.py --mitsuba PYTHON`; tests/test_path_half_space.c). With a hundredth of the
+  density the two agree, as the lines marked so show.
 - One value for all wavelengths is grey in scenes of the versions 0.x, as it was there; Mitsuba 3 makes it white of equal energy, which is reddish. What it renders here has such values as RGB.
 - Grids in scenes of 0.x have their first and last values on the sides of their box; what Mitsuba 3 renders here has a box that is larger by half a cell. Negative densities are 0 in both.
 - Materials of bitterli_cornell-box reflect on one side, and three walls show their backs: both renderers make them black. Its reference image, by a third renderer, has two-sided walls; beside it stands

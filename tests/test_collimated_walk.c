@@ -3,6 +3,7 @@
 #include "chi_square.h"
 #include "cmocka_test.h"
 #include "collimated_scene_a.h"
+#include "half_space.h"
 
 /* Numbers from a list. */
 typedef struct number_list {
@@ -99,38 +100,12 @@ static void without_scattering_there_is_nothing(void **state)
     assert_true(sums.analytic == 0.0 && sums.unoccluded == 0.0 && sums.occluded == 0.0);
 }
 
-/* H(1) of isotropic scattering [Chandrasekhar1960]: H(mu) = 1/(sqrt(1 - albedo) + albedo/2
- * integral of x H(x)/(x + mu) over (0, 1)), iterated. */
-static double h_at_one(double albedo)
-{
-    enum { NODES = 32 };
-    double x[NODES], w[NODES], h[NODES + 1];
-    air_gauss_legendre(NODES, x, w);
-    for (int i = 0; i <= NODES; i++) {
-        h[i] = 1.0;
-    }
-    for (int round = 0; round < 200; round++) {
-        for (int i = 0; i <= NODES; i++) {
-            const double mu = i < NODES ? 0.5 * (1.0 + x[i]) : 1.0;
-            double sum = 0.0;
-            for (int k = 0; k < NODES; k++) {
-                const double at = 0.5 * (1.0 + x[k]);
-                sum += 0.5 * w[k] * at * h[k] / (at + mu);
-            }
-            h[i] = 1.0 / (sqrt(1.0 - albedo) + 0.5 * albedo * sum);
-        }
-    }
-    return h[NODES];
-}
-
-/* A half space below z = 0 under light from straight above: what comes straight back is albedo
- * H(1)^2/(8 pi) of the irradiance [Chandrasekhar1960]. */
+/* A half space below z = 0 under light from straight above, which comes straight back. */
 static void a_half_space_reflects_what_the_h_function_says(void **state)
 {
     const double planes[1][4] = {{0.0, 0.0, 1.0, 0.0}};
     const double origin[3] = {0.0, 0.0, 1.0}, down[3] = {0.0, 0.0, -1.0};
-    const double albedo = 0.9,
-                 expected = albedo * h_at_one(albedo) * h_at_one(albedo) / (8.0 * AIR_PI);
+    const double albedo = 0.9, expected = half_space_of_beam(albedo, 1.0, 1.0);
     air_collimated_medium medium;
     air_collimated_walk_params params;
     (void)state;
