@@ -84,7 +84,7 @@ static void a_mixture_of_forward_backward_and_rayleigh_is_invisible(void **state
     haze.phase.g = 0.5f;
     add_medium(scene, &medium);
     add_medium(scene, &haze);
-    assert_invisible(scene, 2048);
+    assert_invisible(scene, 4096);
 }
 
 static void an_ellipsoid_with_a_box_in_it_is_invisible(void **state)

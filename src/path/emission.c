@@ -15,7 +15,7 @@ static float hit_weight(const air_path *path, const path_walk *walk, uint32_t en
     const air_light_table *lights = path_lights(path, walk->depth, walk->from_surface);
     const float pdf =
         lights->count > 0 ? pdf_light * air_light_pick_probability(lights, entry) : 0.0f;
-    return walk->pdf_dir / (walk->pdf_dir + pdf);
+    return path_share(walk->pdf_dir, pdf);
 }
 
 /* Adds light that comes along the walk's ray to what the walk brings back. */

@@ -170,8 +170,12 @@ static air_vec3 connection_value(const air_path *path, const path_vertex *vertex
     float pdf_dir = 0.0f;
     const air_vec3 f =
         scatter_eval(path, vertex, mixture, lane, connection->dir, owner, shared ? &pdf_dir : NULL);
-    const float pdf = connection->pdf * probability + pdf_dir;
-    return vec3_scale(vec3_mul(f, connection->incident), vertex->light_share / pdf);
+    const float pdf = connection->pdf * probability;
+    if (!(pdf > 0.0f)) {
+        return vec3_set1(0.0f);
+    }
+    return vec3_scale(vec3_mul(f, connection->incident),
+                      vertex->light_share * path_share(pdf, pdf_dir) / pdf);
 }
 
 static uint32_t target_of(const path_vertex *vertex)

@@ -119,6 +119,14 @@ static inline bool path_hittable(const air_path *path, uint32_t entry)
              (light->camera_visible || entry >= lights->explicit_count)));
 }
 
+/* The share of a way to find a light, of density `own` > 0, where another finds it with density
+ * `other`: the power heuristic [Veach1995]. */
+static inline float path_share(float own, float other)
+{
+    const float ratio = other / own;
+    return 1.0f / (1.0f + ratio * ratio);
+}
+
 /* A receiver's walk at its next event, in media. */
 static inline path_walk path_event_walk(const path_walk *walk)
 {
