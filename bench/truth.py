@@ -232,9 +232,10 @@ def reference_bias(options, scene, truth_path, depth):
 
 
 def beside_mitsuba(options, title, scene, size, depth):
-    """Ours, and the line of the first table."""
+    """Ours, the line of the first table, and the speeds in it."""
     mine = converged(options, ours(options), scene, size, depth)
     line = f"| {title} | {size[0]} x {size[1]} | "
+    speed = []
     if options.mitsuba:
         other = converged(options, theirs(options, "scalar_rgb"), scene, size, depth)
         test, (bias, sigmas) = z_test(options, mine, other), whole_bias(mine, other)
@@ -244,16 +245,16 @@ def beside_mitsuba(options, title, scene, size, depth):
         line += " | ".join("{:.2f} ({:.2f} to {:.2f})".format(*s) for s in speed) + " |"
     else:
         line += f"{100 * mine.block_error():.1f} | |"
-    return mine, line
+    return mine, line, [middle for middle, _, _ in speed]
 
 
 def compare(options, name):
-    """The lines of one scene: of the first table, and of the second."""
+    """The lines of one scene, of the first table and of the second, and its speeds."""
     scene = os.path.join(options.shared, name)
     width, height, depth = mitsuba_scene.film_size(scene)
     size = (options.width, max(4, round(options.width * height / width / 4) * 4))
     title = name.rsplit(".", 1)[0]
-    mine, line = beside_mitsuba(options, title, scene, size, depth)
+    mine, line, speed = beside_mitsuba(options, title, scene, size, depth)
     lines = [line]
     if name in DENSE and options.mitsuba:
         thin = os.path.join(options.folder, "thin.xml")
@@ -265,7 +266,7 @@ def compare(options, name):
         bias = reference_bias(options, scene, REFERENCES[name], depth)
         fast.append(f"| {title} | `path` beside its reference image, two-sided | {bias:+.2f} % | | |")
     print(*lines, *fast, sep="\n", flush=True)
-    return lines, fast
+    return lines, fast, speed
 
 
 NOTES = """## What is known to differ
@@ -281,6 +282,12 @@ NOTES = """## What is known to differ
   the same scene with every material in `twosided`.
 - The classroom is left out: its sky is another model in each renderer (docs/mitsuba-values.md).
 """
+
+
+def median_line(speeds):
+    """Over scenes as their files have them."""
+    middles = np.median(np.array(speeds), axis=0)
+    return "| median, as the files are | | | | | | " + " | ".join(f"{m:.2f}" for m in middles) + " |"
 
 
 def page(options, lines, fast):
@@ -325,12 +332,16 @@ def main():
     options = parser.parse_args()
     if not os.path.isdir(options.shared):
         sys.exit(f"truth: {options.shared}: expected the scenes made by others")
-    lines, fast = [], []
+    lines, fast, speeds_found = [], [], []
     with tempfile.TemporaryDirectory() as options.folder:
         for name in options.only or SCENES:
-            found, rows = compare(options, name)
+            found, rows, speed = compare(options, name)
             lines += found
             fast += rows
+            speeds_found.append(speed)
+    if options.mitsuba:
+        lines.append(median_line(speeds_found))
+        print(lines[-1])
     if options.write:
         with open(options.write, "w") as file:
             file.write(page(options, lines, fast))
