@@ -178,6 +178,24 @@ static void unsupported_surfaces_say_so(void **state)
     assert_floats(mitsuba_material(self, 0)->base_color, 3, (const float[]){.1f, .1f, .1f});
 }
 
+/* Numbers and colours that cannot be textures here, given as one or as a reference to one. */
+static void textures_where_none_can_be_say_so(void **state)
+{
+    import_fixture *self = *state;
+    const char *scene = "<texture type='checkerboard' id='t'/>" CUBE(
+        "<bsdf type='roughconductor'><texture name='alpha' type='checkerboard'>"
+        "<float name='color0' value='.1'/></texture>"
+        "<ref name='specular_reflectance' id='t'/></bsdf>");
+    mitsuba_refuses(self, "3.0.0", scene,
+                    "line 2: <ref name=\"specular_reflectance\" id=\"t\">: a texture is not "
+                    "supported here (--lenient: the parameter's default is taken)");
+    self->params.lenient = true;
+    mitsuba_loads(self, "3.0.0", scene);
+    const air_material_desc *metal = mitsuba_material(self, 0);
+    assert_floats(&metal->alpha_u, 1, (const float[]){0.1f});
+    assert_floats(metal->reflectance, 3, (const float[]){1.0f, 1.0f, 1.0f});
+}
+
 /* ---- textures ---- */
 
 /* [Mitsuba3], checkerboard: color0 where the halves of u and v are alike. */
@@ -257,6 +275,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(null_surfaces_are_no_meshes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(materials_are_shared, set_up, tear_down),
         cmocka_unit_test_setup_teardown(unsupported_surfaces_say_so, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(textures_where_none_can_be_say_so, set_up, tear_down),
         cmocka_unit_test_setup_teardown(checkerboards_are_exact, set_up, tear_down),
         cmocka_unit_test_setup_teardown(old_textures_have_scale_and_offset, set_up, tear_down),
         cmocka_unit_test_setup_teardown(bitmaps_are_sampled_as_they_say, set_up, tear_down),

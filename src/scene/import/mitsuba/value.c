@@ -195,14 +195,29 @@ static air_status read_number(const air_mitsuba *mitsuba, const air_xml *at, dou
     return air_mitsuba_numbers(mitsuba, at, "value", 1, value, &count);
 }
 
+air_status air_mitsuba_plain(const air_mitsuba *mitsuba, air_xml *at, bool *out_plain)
+{
+    air_xml *target = at;
+    const air_status status =
+        strcmp(at->tag, "ref") == 0 ? air_mitsuba_resolve(mitsuba, at, &target) : AIR_OK;
+    *out_plain = status == AIR_OK && strcmp(target->tag, "texture") != 0;
+    if (status != AIR_OK || *out_plain)
+        return status;
+    target->used = true;
+    return air_mitsuba_replace(mitsuba, at, "a texture is not supported here",
+                               "the parameter's default is taken");
+}
+
 air_status air_mitsuba_float(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
                              float *value)
 {
-    const air_xml *found = air_mitsuba_parameter(at, name);
+    air_xml *found = air_mitsuba_parameter(at, name);
     double number = 0.0;
-    if (found == NULL)
-        return AIR_OK;
-    air_status status = check_tag(mitsuba, found, "float", "integer");
+    bool plain = false;
+    air_status status = found != NULL ? air_mitsuba_plain(mitsuba, found, &plain) : AIR_OK;
+    if (!plain)
+        return status;
+    status = check_tag(mitsuba, found, "float", "integer");
     if (status == AIR_OK)
         status = read_number(mitsuba, found, &number);
     if (status == AIR_OK)
