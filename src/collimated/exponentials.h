@@ -3,8 +3,9 @@
 #ifndef AIR_COLLIMATED_EXPONENTIALS_H
 #define AIR_COLLIMATED_EXPONENTIALS_H
 
-#include "core/bits.h"
 #include <stdbool.h>
+
+#include "core/bits.h"
 
 /* Both values are computed: a branch around arithmetic, which might trap, would end the lanes. */
 static inline double air_double_select(bool which, double yes, double no)

@@ -47,13 +47,9 @@ static air_vec3 late_transmittance(const air_path *path, air_path_scratch *scrat
                                    const air_path_lane *lane, const air_ray *ray,
                                    const path_shadow *shadow)
 {
-    const air_vec3 origin = vec3_load(ray->origin), dir = vec3_load(ray->dir);
-    if (path->media->all_constant) {
-        return air_constant_transmittance(path->media, origin, dir, shadow->distance);
-    }
-    air_ray_media_make(&scratch->media, path->media, origin, dir, shadow->distance);
-    if (scratch->media.closed) {
-        return scratch->media.transmittance;
+    air_vec3 transmittance = vec3_set1(1.0f);
+    if (path_attenuate_closed(path, scratch, ray, shadow->distance, &transmittance)) {
+        return transmittance;
     }
     air_rng rng = air_sampler_rng(&lane->sampler, shadow->stream);
     return air_track_transmittance(&scratch->media, fminf(shadow->distance, AIR_FAR), &rng);

@@ -83,9 +83,7 @@ static path_vertex *push_surface(const air_path *path, air_path_scratch *scratch
         vertex->walk.branch = 0;
         vertex->walk.first_medium = AIR_NO_MEDIUM;
     }
-    vertex->on_surface = true;
-    vertex->receives = vertex->gathers = vertex->ends = vertex->numbered = false;
-    vertex->light_share = 1.0f;
+    path_vertex_begin(vertex, true);
     vertex->wo = vec3_neg(vec3_load(ray->dir));
     if (path->settings.vertex_hook != NULL) {
         call_hook(path, &scratch->media, lane, vertex, t);
@@ -106,9 +104,7 @@ static path_vertex *push_medium(air_path_scratch *scratch, const path_walk *walk
     if (walk->received) {
         vertex->walk.branch = 1;
     }
-    vertex->on_surface = false;
-    vertex->receives = vertex->gathers = vertex->ends = vertex->numbered = false;
-    vertex->light_share = 1.0f;
+    path_vertex_begin(vertex, false);
     return vertex;
 }
 
@@ -144,7 +140,7 @@ static bool draw_light(const air_path *path, path_vertex *vertex, air_path_lane 
         return false;
     }
     path_draw_light(path, path_lights(path, vertex->walk.depth, false), lane, &vertex->walk,
-                    vertex->numbered ? vertex->light_numbers : NULL, &vertex->at.medium.light,
+                    path_light_numbers(vertex), &vertex->at.medium.light,
                     &vertex->at.medium.light_probability);
     return true;
 }

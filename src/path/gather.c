@@ -81,14 +81,11 @@ static air_vec3 scatter_eval(const air_path *path, const path_vertex *vertex,
     return air_bsdf_eval(bsdf, vertex->wo, wi);
 }
 
-bool path_attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
-                    float distance, air_vec3 *value)
+bool path_attenuate_closed(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
+                           float distance, air_vec3 *value)
 {
     const air_media *media = path->media;
     const air_vec3 origin = vec3_load(ray->origin), dir = vec3_load(ray->dir);
-    if (media->boundary_accelerator != NULL) {
-        return false; /* crossings of meshes cost as much as the ray: it may not arrive */
-    }
     if (media->all_constant) {
         if (media->region_count > 0) {
             *value = vec3_mul(*value, air_constant_transmittance(media, origin, dir, distance));
@@ -100,6 +97,14 @@ bool path_attenuate(const air_path *path, air_path_scratch *scratch, const air_r
         *value = vec3_mul(*value, scratch->media.transmittance);
     }
     return scratch->media.closed;
+}
+
+bool path_attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
+                    float distance, air_vec3 *value)
+{
+    /* crossings of meshes cost as much as the ray: it may not arrive */
+    return path->media->boundary_accelerator == NULL &&
+           path_attenuate_closed(path, scratch, ray, distance, value);
 }
 
 /* From a surface rays start beside the place that the connection was made for, which at the rim of
@@ -222,8 +227,7 @@ void path_gather(const air_path *path, air_path_scratch *scratch, air_path_lane 
     float probability = vertex->at.medium.light_probability;
     air_vec3 position = vertex->at.medium.position;
     if (vertex->on_surface) {
-        path_draw_light(path, lights, lane, walk, vertex->numbered ? vertex->light_numbers : NULL,
-                        &drawn, &probability);
+        path_draw_light(path, lights, lane, walk, path_light_numbers(vertex), &drawn, &probability);
         position = vertex->at.surface.position;
     } else {
         light = &vertex->at.medium.light;

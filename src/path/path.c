@@ -361,9 +361,8 @@ static void receive(path_vertex *vertex, size_t i, air_path_lane *lane)
                                .received = true,
                                .beta = vec3_set1(1.0f),
                                .dense = 1.0f};
-    vertex->on_surface = vertex->receives = true;
-    vertex->gathers = vertex->ends = vertex->numbered = false;
-    vertex->light_share = 1.0f;
+    path_vertex_begin(vertex, true);
+    vertex->receives = true;
     vertex->at.surface.position = receiver->position;
     vertex->at.surface.normal = receiver->geometric;
     vertex->at.surface.offset = receiver->sphere ? 0.0f : receiver->offset;

@@ -59,6 +59,20 @@ typedef struct path_vertex {
     } at;
 } path_vertex;
 
+/* All that is not so unless said. */
+static inline void path_vertex_begin(path_vertex *vertex, bool on_surface)
+{
+    vertex->on_surface = on_surface;
+    vertex->receives = vertex->gathers = vertex->ends = vertex->numbered = false;
+    vertex->light_share = 1.0f;
+}
+
+/* What path_draw_light takes as known. */
+static inline const float *path_light_numbers(const path_vertex *vertex)
+{
+    return vertex->numbered ? vertex->light_numbers : NULL;
+}
+
 /* Where a shadow ray's light goes: an air_term, or one of these. */
 enum { PATH_TO_RECEIVER = AIR_TERM_COUNT, PATH_THROUGH };
 
@@ -270,8 +284,11 @@ void path_arrive_through(const air_path *path, air_path_scratch *scratch, const 
 air_vec3 path_mixture_eval(const air_path *path, const path_vertex *vertex,
                            const path_mixture *mixture, air_vec3 wi, uint32_t light_owner,
                            float *out_pdf);
-/* Multiplies value by the transmittance of the ray up to distance, where a closed form is cheap;
- * says whether it did. If not, path_connect does where the ray arrives. */
+/* Multiplies value by the transmittance of the ray up to distance, in closed form if possible; says
+ * whether it was. If not, scratch->media is that ray's. */
+bool path_attenuate_closed(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
+                           float distance, air_vec3 *value);
+/* The same where it is cheap. If not, path_connect does it where the ray arrives. */
 bool path_attenuate(const air_path *path, air_path_scratch *scratch, const air_ray *ray,
                     float distance, air_vec3 *value);
 air_ray path_shadow_ray(const path_vertex *vertex, const air_connection *connection,

@@ -283,9 +283,7 @@ void air_polygon_finish(air_context *context, air_light *light)
 
 void air_polygon_sample(const air_light *light, float u1, float u2, air_light_point *out)
 {
-    const size_t triangle = light->triangle_count > 1
-                                ? air_cdf_choose(light->triangle_cdf, light->triangle_count, &u1)
-                                : 0;
+    const size_t triangle = air_cdf_choose(light->triangle_cdf, light->triangle_count, &u1);
     const air_vec3 *p = light->triangles[triangle];
     float b1, b2;
     sample_triangle(u1, u2, &b1, &b2);
