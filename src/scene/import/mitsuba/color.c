@@ -239,8 +239,7 @@ air_status air_mitsuba_read_color(const air_mitsuba *mitsuba, const air_xml *at,
 air_status air_mitsuba_color(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
                              air_mitsuba_quantity quantity, float value[3])
 {
-    air_xml *found = air_mitsuba_parameter(at, name);
-    bool plain = false;
-    const air_status status = found != NULL ? air_mitsuba_plain(mitsuba, found, &plain) : AIR_OK;
-    return plain ? air_mitsuba_read_color(mitsuba, found, quantity, value) : status;
+    const air_xml *found = NULL;
+    const air_status status = air_mitsuba_plain(mitsuba, at, name, &found);
+    return found != NULL ? air_mitsuba_read_color(mitsuba, found, quantity, value) : status;
 }

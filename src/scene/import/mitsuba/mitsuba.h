@@ -113,9 +113,10 @@ bool air_mitsuba_has(const air_xml *at, const char *name);
 /* Marks parameters that change nothing here as used. */
 void air_mitsuba_ignore(const air_xml *at, const char *const *names, size_t count);
 
-/* Is a parameter anything but a texture, where textures are not supported? Those are an error, or
- * with --lenient a warning, and the parameter is to stay as it is. */
-air_status air_mitsuba_plain(const air_mitsuba *mitsuba, air_xml *at, bool *out_plain);
+/* The parameter of that name where textures are not supported: those are an error, or with
+ * --lenient a warning, and as if absent. NULL: absent. */
+air_status air_mitsuba_plain(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
+                             const air_xml **out);
 
 air_status air_mitsuba_float(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
                              float *value);

@@ -198,11 +198,12 @@ static air_status warn_of_unseen(const air_mitsuba *mitsuba, const air_xml *outs
         if (!item->opaque)
             continue;
         status = air_mitsuba_child(mitsuba, item->at, "medium", "interior", &interior);
-        if (status == AIR_OK && interior != NULL)
-            status = is_inside(mitsuba, interior, NULL, &seen);
+        if (status != AIR_OK || interior == NULL || interior == outside)
+            continue;
+        status = is_inside(mitsuba, interior, NULL, &seen);
         for (size_t k = 0; k < i; ++k) /* copies by instances */
             seen = seen || mitsuba->items[k].at == item->at;
-        if (status == AIR_OK && interior != NULL && interior != outside && !seen)
+        if (status == AIR_OK && !seen)
             status = air_mitsuba_warn(mitsuba, item->at,
                                       "the shape is opaque, so that nobody sees the medium within; "
                                       "<bsdf type=\"null\"/> lets rays pass");

@@ -195,27 +195,32 @@ static air_status read_number(const air_mitsuba *mitsuba, const air_xml *at, dou
     return air_mitsuba_numbers(mitsuba, at, "value", 1, value, &count);
 }
 
-air_status air_mitsuba_plain(const air_mitsuba *mitsuba, air_xml *at, bool *out_plain)
+air_status air_mitsuba_plain(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
+                             const air_xml **out)
 {
-    air_xml *target = at;
-    const air_status status =
-        strcmp(at->tag, "ref") == 0 ? air_mitsuba_resolve(mitsuba, at, &target) : AIR_OK;
-    *out_plain = status == AIR_OK && strcmp(target->tag, "texture") != 0;
-    if (status != AIR_OK || *out_plain)
+    air_xml *found = air_mitsuba_parameter(at, name), *target = found;
+    air_status status = AIR_OK;
+    *out = NULL;
+    if (found != NULL && strcmp(found->tag, "ref") == 0)
+        status = air_mitsuba_resolve(mitsuba, found, &target);
+    if (status != AIR_OK || found == NULL)
         return status;
+    if (strcmp(target->tag, "texture") != 0) {
+        *out = found;
+        return AIR_OK;
+    }
     target->used = true;
-    return air_mitsuba_replace(mitsuba, at, "a texture is not supported here",
+    return air_mitsuba_replace(mitsuba, found, "a texture is not supported here",
                                "the parameter's default is taken");
 }
 
 air_status air_mitsuba_float(const air_mitsuba *mitsuba, const air_xml *at, const char *name,
                              float *value)
 {
-    air_xml *found = air_mitsuba_parameter(at, name);
+    const air_xml *found = NULL;
     double number = 0.0;
-    bool plain = false;
-    air_status status = found != NULL ? air_mitsuba_plain(mitsuba, found, &plain) : AIR_OK;
-    if (!plain)
+    air_status status = air_mitsuba_plain(mitsuba, at, name, &found);
+    if (found == NULL)
         return status;
     status = check_tag(mitsuba, found, "float", "integer");
     if (status == AIR_OK)
