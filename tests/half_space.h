@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "core/quadrature.h"
+#include "core/vec.h"
 
 /* H(mu) = 1/(sqrt(1 - albedo) + albedo/2 integral of x H(x)/(x + mu) over (0, 1)), iterated. */
 static inline double half_space_h(double albedo, double mu)
@@ -35,7 +36,7 @@ static inline double half_space_h(double albedo, double mu)
 static inline double half_space_of_beam(double albedo, double mu0, double mu)
 {
     const double h = half_space_h(albedo, mu) * half_space_h(albedo, mu0);
-    return albedo * h * mu0 / (4.0 * 3.14159265358979323846 * (mu + mu0));
+    return albedo * h * mu0 / (4.0 * AIR_PI * (mu + mu0));
 }
 
 /* Radiance towards mu under an even sky of radiance 1. */

@@ -59,6 +59,17 @@ static inline void add_point_light(air_scene *scene, air_vec3 position, float in
     add_light(scene, &light);
 }
 
+/* dir: of travel. */
+static inline void add_sun(air_scene *scene, air_vec3 irradiance, air_vec3 dir)
+{
+    air_light_desc light;
+    air_light_desc_default(&light);
+    light.kind = AIR_LIGHT_COLLIMATED;
+    vec3_store(light.color, irradiance);
+    vec3_store(light.dir, dir);
+    add_light(scene, &light);
+}
+
 static inline void add_environment(air_scene *scene, float r, float g, float b)
 {
     air_light_desc light;

@@ -3,15 +3,7 @@
 #include "bake/finish.h"
 #include "bake_fixture.h"
 
-static void add_sun(air_scene *scene, float x, float y, float z)
-{
-    air_light_desc sun;
-    air_light_desc_default(&sun);
-    sun.kind = AIR_LIGHT_COLLIMATED;
-    set3(sun.color, 1.0f, 2.0f, 3.0f);
-    set3(sun.dir, x, y, z);
-    add_light(scene, &sun);
-}
+static const air_vec3 SUN = {1.0f, 2.0f, 3.0f};
 
 static size_t texels_of(const air_image *page)
 {
@@ -51,7 +43,7 @@ static void constant_light_stays_constant(void **state)
         bake_add_quad(scene, "tile", vec3((float)(i % 2), 0, (float)(i / 2)), vec3(1, 0, 0),
                       vec3(0, 0, -1), i == 0 ? bake_unit_uv : NULL, AIR_NONE);
     }
-    add_sun(scene, 0.6f, -0.8f, 0.0f);
+    add_sun(scene, SUN, vec3(0.6f, -0.8f, 0.0f));
     air_snapshot *snapshot = path_freeze(scene);
     for (int directional = 0; directional < 2; directional++) {
         air_bake_params params;
@@ -116,7 +108,7 @@ static void albedo_is_what_surfaces_reflect(void **state)
         assert_int_equal(air_scene_add_material(scene, &material, &mesh.material), AIR_OK);
         mesh.colors = colors; /* red grows with x */
         assert_int_equal(air_scene_add_mesh(scene, &mesh, &handle), AIR_OK);
-        add_sun(scene, 0, -1, 0);
+        add_sun(scene, SUN, vec3(0, -1, 0));
         air_snapshot *snapshot = path_freeze(scene);
         const air_bake_params params = bake_raw_params(1, 16.0f);
         air_lightmap *lightmap = bake_well(&host, snapshot, &params);
@@ -148,7 +140,7 @@ static air_snapshot *covered_floor(const bake_host *host)
                   AIR_NONE);
     bake_add_box(scene, vec3(-0.53f, -0.1f, -0.41f), vec3(0.37f, 0.5f, 0.29f), false,
                  add_lambert(scene, 0.0f, 0.0f));
-    add_sun(scene, 0, -1, 0);
+    add_sun(scene, SUN, vec3(0, -1, 0));
     return path_freeze(scene);
 }
 
@@ -230,7 +222,7 @@ static void directions_agree_with_irradiance(void **state)
         bake_add_quad(scene, "floor", vec3(0, 0, 0), vec3(1, 0, 0), vec3(0, 0, -1), bake_unit_uv,
                       AIR_NONE);
         if (sunny) {
-            add_sun(scene, 0.6f, -0.8f, 0.0f);
+            add_sun(scene, SUN, vec3(0.6f, -0.8f, 0.0f));
         } else {
             add_environment(scene, 1.0f, 1.0f, 1.0f);
         }

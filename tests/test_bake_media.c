@@ -8,7 +8,6 @@ static air_snapshot *foggy_room(const bake_host *host, bool panel, float albedo)
 {
     air_scene *scene = bake_scene(host);
     air_medium_desc medium = medium_in_box(vec3(0, 1, 0), vec3(1.2f, 1.0f, 1.2f));
-    air_light_desc sun;
     set3(medium.sigma_s, 0.5f, 0.5f, 0.5f);
     set3(medium.sigma_a, 0.1f, 0.1f, 0.1f);
     medium.phase.kind = AIR_PHASE_HG;
@@ -22,11 +21,7 @@ static air_snapshot *foggy_room(const bake_host *host, bool panel, float albedo)
                  add_lambert(scene, 0.0f, 1.0f));
         return path_freeze(scene);
     }
-    air_light_desc_default(&sun);
-    sun.kind = AIR_LIGHT_COLLIMATED;
-    set3(sun.color, 2.0f, 2.0f, 2.0f);
-    set3(sun.dir, -0.5f, -1.0f, 0.2f);
-    add_light(scene, &sun);
+    add_sun(scene, vec3(2.0f, 2.0f, 2.0f), vec3(-0.5f, -1.0f, 0.2f));
     return path_freeze(scene);
 }
 
@@ -131,15 +126,10 @@ static void clouds_are_found_from_afar(void **state)
     bake_open(&host, 1);
     for (int kind = 0; kind < 3; kind++) {
         air_scene *scene = cloudy_scene(&host, kind == 2);
-        air_light_desc sun;
         if (kind > 0) {
             add_point_light(scene, vec3(0, 1.5f, 0), 1.0f);
         } else {
-            air_light_desc_default(&sun);
-            sun.kind = AIR_LIGHT_COLLIMATED;
-            set3(sun.color, 2.0f, 2.0f, 2.0f);
-            set3(sun.dir, -0.5f, -1.0f, 0.2f);
-            add_light(scene, &sun);
+            add_sun(scene, vec3(2.0f, 2.0f, 2.0f), vec3(-0.5f, -1.0f, 0.2f));
         }
         air_snapshot *snapshot = path_freeze(scene);
         compare(&host, snapshot, 1, 256, 0.02);

@@ -269,15 +269,10 @@ static void the_sun_gives_the_published_vector(void **state)
                                             0.139600718, 0.133781440, 0.401344321,
                                             0.379757191, 0.267562881, -0.055742267};
     bake_host host;
-    air_light_desc sun;
     (void)state;
     bake_open(&host, 1);
     air_scene *scene = bake_scene(&host);
-    air_light_desc_default(&sun);
-    sun.kind = AIR_LIGHT_COLLIMATED;
-    set3(sun.color, 1.0f, 1.0f, 1.0f);
-    set3(sun.dir, -2.0f, -3.0f, -6.0f);
-    add_light(scene, &sun);
+    add_sun(scene, vec3(1.0f, 1.0f, 1.0f), vec3(-2.0f, -3.0f, -6.0f));
     air_snapshot *snapshot = path_freeze(scene);
     const probed got = probe_at(&host, snapshot, vec3(1, 2, 3), 16);
     assert_coefficients("sun", &got, published, 1e-7, 3e-7);

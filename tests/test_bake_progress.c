@@ -10,18 +10,13 @@ static air_snapshot *room(const bake_host *host)
 {
     air_scene *scene = bake_scene(host);
     air_medium_desc medium = medium_in_box(vec3(0, 1, 0), vec3(2, 1, 2));
-    air_light_desc sun;
     set3(medium.sigma_s, 0.4f, 0.3f, 0.2f);
     add_medium(scene, &medium);
     add_floor(scene, 0.0f, 1.5f, AIR_NONE);
     bake_add_box(scene, vec3(-0.5f, 0, -0.5f), vec3(0.3f, 0.8f, 0.2f), false,
                  add_lambert(scene, 0.5f, 0.0f));
     add_environment(scene, 0.4f, 0.5f, 0.6f);
-    air_light_desc_default(&sun);
-    sun.kind = AIR_LIGHT_COLLIMATED;
-    set3(sun.color, 1.0f, 0.9f, 0.8f);
-    set3(sun.dir, 0.3f, -1.0f, 0.1f);
-    add_light(scene, &sun);
+    add_sun(scene, vec3(1.0f, 0.9f, 0.8f), vec3(0.3f, -1.0f, 0.1f));
     return path_freeze(scene);
 }
 

@@ -61,12 +61,7 @@ static air_scene *plane_alone(const bake_host *host, const plane *p)
 static air_snapshot *plane_scene(const bake_host *host, const plane *p)
 {
     air_scene *scene = plane_alone(host, p);
-    air_light_desc sun;
-    air_light_desc_default(&sun);
-    sun.kind = AIR_LIGHT_COLLIMATED;
-    set3(sun.color, 0.3f, 1.0f, 2.0f);
-    set3(sun.dir, 0.6f, -0.8f, 0.0f);
-    add_light(scene, &sun);
+    add_sun(scene, vec3(0.3f, 1.0f, 2.0f), vec3(0.6f, -0.8f, 0.0f));
     return path_freeze(scene);
 }
 
@@ -389,12 +384,7 @@ static void what_is_inside_of_something_darkens_no_vertex(void **state)
     air_scene *scene = bake_scene(&host);
     air_mesh_desc mesh;
     air_handle handle;
-    air_light_desc sun;
-    air_light_desc_default(&sun);
-    sun.kind = AIR_LIGHT_COLLIMATED;
-    set3(sun.color, 1.0f, 1.0f, 1.0f);
-    set3(sun.dir, 0.0f, -1.0f, 0.0f);
-    add_light(scene, &sun);
+    add_sun(scene, vec3(1.0f, 1.0f, 1.0f), vec3(0.0f, -1.0f, 0.0f));
     air_mesh_desc_default(&mesh);
     mesh.positions = p.positions;
     mesh.vertex_count = p.vertex_count;

@@ -42,12 +42,7 @@ static void beams_come_back_as_the_h_function_says(void **state)
     }
     for (int i = 0; i < 3; i++) {
         air_scene *scene = dense_body(state, UNITS[i]);
-        air_light_desc sun;
-        air_light_desc_default(&sun);
-        sun.kind = AIR_LIGHT_COLLIMATED;
-        set3(sun.color, 1.0f, 1.0f, 1.0f);
-        set3(sun.dir, 0.0f, -0.8f, 0.6f);
-        add_light(scene, &sun);
+        add_sun(scene, vec3(1.0f, 1.0f, 1.0f), vec3(0.0f, -0.8f, 0.6f));
         const probe_result got = look_at_body(scene, UNITS[i], 4096);
         assert_measured("beam", &got, expected, 0.003);
     }

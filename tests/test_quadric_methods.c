@@ -16,7 +16,7 @@ static air_handle add_sphere(air_scene *scene, air_vec3 center, float radius, ai
     return handle;
 }
 
-static void add_sun(air_scene *scene)
+static void add_named_sun(air_scene *scene)
 {
     air_light_desc light;
     air_light_desc_default(&light);
@@ -57,7 +57,7 @@ static void methods_leave_what_they_cannot_to_path(void **state)
         const air_method owner = sphere == 1 ? AIR_METHOD_PATH : AIR_METHOD_COLLIMATED;
         air_scene *scene = bake_scene(&host);
         const air_medium_desc medium = haze();
-        add_sun(scene);
+        add_named_sun(scene);
         add_medium(scene, &medium);
         if (sphere == 1) {
             add_sphere(scene, vec3_set1(0.0f), 0.3f, AIR_NONE);
@@ -70,7 +70,7 @@ static void methods_leave_what_they_cannot_to_path(void **state)
         air_scene *scene = bake_scene(&host);
         air_medium_desc medium = haze();
         medium.boundary.kind = ellipsoid == 1 ? AIR_BOUNDARY_ELLIPSOID : AIR_BOUNDARY_BOX;
-        add_sun(scene);
+        add_named_sun(scene);
         add_medium(scene, &medium);
         expect_owner(&host, scene, "collimated", owner,
                      ellipsoid == 1 ? "medium \"haze\" does not end at planes" : "");
