@@ -23,6 +23,7 @@ import numpy as np
 from PIL import Image
 
 import exr
+from truth import relative
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
 SCENE = os.path.join(ROOT, "..", "shared", "scenes", "bitterli_classroom", "scene.xml")
@@ -54,10 +55,6 @@ def draw(options, folder):
     print(f"{options.picture}: {image.width} x {image.height}, {size} bytes", flush=True)
 
 
-def relmse(found, truth):
-    return float(((found - truth) ** 2 / (truth**2 + 1e-4 * truth.mean() ** 2)).mean())
-
-
 def compare(options, folder):
     def at(name):
         return os.path.join(folder, name + ".exr")
@@ -70,8 +67,8 @@ def compare(options, folder):
         render(options, truth, *size, "--method", "path", *spp, "--seed", "9", "--variance")
     truth = exr.read(truth)
     mean = exr.colour(truth)
-    noise = exr.colour(truth, "variance") / (mean**2 + 1e-4 * mean.mean() ** 2)
-    print(f"the reference's own noise: {noise.mean():.4f}")
+    noise = relative(exr.colour(truth, "variance"), mean)
+    print(f"the reference's own noise: {noise:.4f}")
     print(f"{'':16}{'spp':>6}{'seconds':>9}  layer       bias, %    relMSE")
     for name in METHODS:
         time = ("--time", str(options.compare))
@@ -81,7 +78,7 @@ def compare(options, folder):
         for layer in LAYERS:
             a, b = exr.colour(found, layer), exr.colour(truth, layer)
             bias = 100.0 * (a.mean() / b.mean() - 1.0)
-            print(f"{first:31}  {layer or 'all':10}{bias:9.2f}{relmse(a, b):10.4f}", flush=True)
+            print(f"{first:31}  {layer or 'all':10}{bias:9.2f}{relative((a - b) ** 2, b):10.4f}", flush=True)
             first = ""
 
 

@@ -9,9 +9,7 @@ The body is a cube of 300 mean free paths each way, looked at from 60 degrees. P
 its standard error, and percent off the closed form."""
 
 import argparse
-import json
 import os
-import subprocess
 import tempfile
 
 import numpy as np
@@ -22,6 +20,7 @@ import truth
 ALBEDOS = (1.0 / 3.0, 0.7, 0.9)
 COSINE = 0.5
 SAMPLES = 16384
+SIDE = 8  # pixels
 
 SCENE = """<scene version="3.0.0">
   <integrator type="volpath"><integer name="max_depth" value="-1"/></integrator>
@@ -31,7 +30,7 @@ SCENE = """<scene version="3.0.0">
       <lookat origin="{x}, {y}, 0" target="0, 0, 0" up="0, 1, 0"/>
     </transform>
     <film type="hdrfilm">
-      <integer name="width" value="8"/><integer name="height" value="8"/>
+      <integer name="width" value="{side}"/><integer name="height" value="{side}"/>
       <rfilter type="box"/>
     </film>
     <sampler type="independent"/>
@@ -63,6 +62,7 @@ def h_function(albedo, mu):
 
 def write(path, unit):
     text = SCENE.format(
+        side=SIDE,
         unit=unit,
         small=0.05 * unit,
         x=-2.0 * unit * np.sqrt(1.0 - COSINE**2),
@@ -74,23 +74,18 @@ def write(path, unit):
         file.write(text)
 
 
-def ours(options, scene):
+def whole(picture):
     """Mean of the picture's channels, and standard errors."""
-    out = os.path.join(options.folder, "ours.exr")
-    command = [options.airlight, "render", scene, "-o", out, "--json", "-q", "--method", "path"]
-    command += ["--variance=16", "--spp", str(SAMPLES), "--max-depth", "unlimited"]
-    json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
-    channels = exr.read(out)
-    variance = exr.colour(channels, "variance")
-    return exr.colour(channels).mean((0, 1)), np.sqrt(variance.sum((0, 1))) / 64.0
+    pixels = picture.mean[..., 0].size
+    return picture.mean.mean((0, 1)), np.sqrt(picture.variance.sum((0, 1))) / pixels
+
+
+def ours(options, scene):
+    return whole(truth.ours(options)(scene, (SIDE, SIDE), None, SAMPLES))
 
 
 def theirs(options, scene):
-    run = truth.MitsubaRun(options, "scalar_rgb", scene, SAMPLES // 16, 16)
-    for _ in range(16):
-        run.render()
-    means = run.pictures().mean((1, 2))
-    return means.mean(0), means.std(0, ddof=1) / 4.0
+    return whole(truth.mitsuba_picture(options, "scalar_rgb", scene, SAMPLES))
 
 
 def main():

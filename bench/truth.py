@@ -127,14 +127,19 @@ def ours(options):
     return picture
 
 
+def mitsuba_picture(options, variant, xml, samples):
+    """Of a scene as it is."""
+    run = MitsubaRun(options, variant, xml, samples // SEEDS, SEEDS)
+    seconds = sum(run.render() for _ in range(SEEDS))
+    found = run.pictures()
+    return Picture(found.mean(0), found.var(0, ddof=1) / SEEDS, samples, seconds)
+
+
 def theirs(options, variant):
     def picture(scene, size, depth, samples):
         xml = os.path.join(options.folder, "theirs.xml")
         mitsuba_scene.write(scene, xml, *size, depth)
-        run = MitsubaRun(options, variant, xml, samples // SEEDS, SEEDS)
-        seconds = sum(run.render() for _ in range(SEEDS))
-        found = run.pictures()
-        return Picture(found.mean(0), found.var(0, ddof=1) / SEEDS, samples, seconds)
+        return mitsuba_picture(options, variant, xml, samples)
 
     return picture
 
@@ -171,10 +176,14 @@ def whole_bias(a, b):
     return 100.0 * gap / b.mean.mean(), gap / error
 
 
+def relative(squares, truth):
+    """The mean of squared errors or variances over the squares of the truth."""
+    return float((squares / (truth**2 + 1e-4 * truth.mean() ** 2)).mean())
+
+
 def rel_variance(pictures, truth):
     """From picture to picture."""
-    scale = truth**2 + 1e-4 * truth.mean() ** 2
-    return float((pictures.var(0, ddof=1) / scale).mean())
+    return relative(pictures.var(0, ddof=1), truth)
 
 
 def speeds(options, scene, size, depth, truth):
@@ -208,8 +217,7 @@ def fast_methods(options, scene, size, depth, truth):
         image = exr.colour(channels)
         if np.array_equal(image, exr.colour(plain)):
             continue
-        scale = truth.mean**2 + 1e-4 * truth.mean.mean() ** 2
-        error = (((image - truth.mean) ** 2 - truth.variance) / scale).mean()
+        error = relative((image - truth.mean) ** 2 - truth.variance, truth.mean)
         bias = 100.0 * (image.mean() / truth.mean.mean() - 1.0)
         rows.append((method, bias, error, seconds))
     return rows
